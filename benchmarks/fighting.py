@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.report import table as markdown
-from studio.cli.live import guard_of, rehearse, swaying
+from studio.cli.live import guard_of, rehearse, swaying_head
 from studio.core.body.morphology import Morphology
 from studio.io.project.character_file import bundled_characters
 from studio.library.indexing import bundled_library
@@ -58,7 +58,7 @@ def fought(library: Library, body: Morphology, seconds: float) -> FightReport:
 
 def ducking(now: float, stature: float) -> NDArray[np.float64]:
     """A head that goes to and fro, and up and down between belly and chin of who strikes at it."""
-    x, y, _ = swaying(now, stature)
+    x, y, _ = swaying_head(now, stature)
     return np.array([x, y, stature * (0.68 + 0.16 * np.sin(now))])
 
 

@@ -28,7 +28,7 @@ from studio.core.solver.request import AdaptRequest  # noqa: E402
 from studio.io.export import Take, take_of_actor, take_of_capture, write_take  # noqa: E402
 from studio.io.gltf.vrma_writer import humanoid_capture  # noqa: E402
 from studio.io.importing import load_capture  # noqa: E402
-from studio.jobs.adaptation import ReadyCapture, made_ready  # noqa: E402
+from studio.jobs.adaptation import ReadyCapture, ready_from_capture  # noqa: E402
 
 CAPTURES = ROOT.parent / "shared" / "captures" / "bvh"
 DOCS = ROOT / "docs"
@@ -69,7 +69,7 @@ def main() -> int:
     for file in files:
         capture = load_capture(file)
         if capture.body_map is not None:
-            rows.append(row_of(file, made_ready(capture)))
+            rows.append(row_of(file, ready_from_capture(capture)))
             print(rows[-1].name, *(f"{error:.5f}" for error in rows[-1].errors), f"{rows[-1].size:.2f}", flush=True)
     DOCS.mkdir(exist_ok=True)
     (DOCS / "format_round_trip.md").write_text(TEXT + table(rows), encoding="utf-8")

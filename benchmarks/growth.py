@@ -8,13 +8,13 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.cli.bench_cases import LIMB, ROOT_CHAIN, WHOLE_CASE, WITH_TRUNK, make_tasks
+from studio.cli.bench_cases import LIMB_AND_TRUNK_CHAIN, LIMB_CHAIN, ROOT_CHAIN, WHOLE_CASE_ACTIVATION, make_tasks
 from studio.cli.bench_timing import BenchJob, time_jobs
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
-from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.look_at import EYES_POINT, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.mesh.character import Character
@@ -34,9 +34,11 @@ ASIDE = 0.05
 """Metres from where a point is to where it is wanted."""
 
 _POINTS = (
-    (BodyPart.RIGHT_FOREARM, WITH_TRUNK), (BodyPart.LEFT_FOREARM, WITH_TRUNK), (BodyPart.HEAD, WITH_TRUNK),
-    (BodyPart.RIGHT_UPPER_ARM, LIMB), (BodyPart.LEFT_UPPER_ARM, LIMB), (BodyPart.THORAX, WITH_TRUNK),
-    (BodyPart.RIGHT_SHANK, LIMB), (BodyPart.LEFT_SHANK, LIMB), (BodyPart.RIGHT_CLAVICLE, Chain(trunk=0.5)),
+    (BodyPart.RIGHT_FOREARM, LIMB_AND_TRUNK_CHAIN), (BodyPart.LEFT_FOREARM, LIMB_AND_TRUNK_CHAIN),
+    (BodyPart.HEAD, LIMB_AND_TRUNK_CHAIN),
+    (BodyPart.RIGHT_UPPER_ARM, LIMB_CHAIN), (BodyPart.LEFT_UPPER_ARM, LIMB_CHAIN),
+    (BodyPart.THORAX, LIMB_AND_TRUNK_CHAIN),
+    (BodyPart.RIGHT_SHANK, LIMB_CHAIN), (BodyPart.LEFT_SHANK, LIMB_CHAIN), (BodyPart.RIGHT_CLAVICLE, Chain(trunk=0.5)),
     (BodyPart.LEFT_CLAVICLE, Chain(trunk=0.5)), (BodyPart.PELVIS, ROOT_CHAIN),
 )  # fmt: skip
 
@@ -98,27 +100,43 @@ def many_wishes(adapted: AdaptedMotion) -> tuple[Constraint, ...]:
         point = BodyPoint(part, at_end=True)
         place = np.median(body_point_positions(point, adapted), axis=0) + ASIDE * np.roll([1.0, 0.0, 0.0], number)
         wishes.append(
-            PositionConstraint(ADAPTED_MOTION_ID, part.label, point, chain, number % 4, WHOLE_CASE, target=tuple(place))
+            PositionConstraint(
+                ADAPTED_MOTION_ID, part.label, point, chain, number % 4, WHOLE_CASE_ACTIVATION, target=tuple(place)
+            )
         )
     for side, part in enumerate((BodyPart.RIGHT_HAND, BodyPart.LEFT_HAND)):
         turn = from_matrix(adapted.rotations[:1, adapted.morphology.layout.segment_of_part(part)])[0]
         wishes.insert(
             2 + side,
             OrientationConstraint(
-                ADAPTED_MOTION_ID, part.label, BodyPoint(part), LIMB, 1, WHOLE_CASE, target=tuple(turn)
+                ADAPTED_MOTION_ID, part.label, BodyPoint(part), LIMB_CHAIN, 1, WHOLE_CASE_ACTIVATION, target=tuple(turn)
             ),
         )
-    eyes = np.median(body_point_positions(EYES, adapted), axis=0)
+    eyes = np.median(body_point_positions(EYES_POINT, adapted), axis=0)
     wishes.insert(
-        4, LookAtConstraint(ADAPTED_MOTION_ID, "Look", EYES, LIMB, 2, WHOLE_CASE, target=(eyes[0] + 3.0, eyes[1], 1.0))
+        4,
+        LookAtConstraint(
+            ADAPTED_MOTION_ID,
+            "Look",
+            EYES_POINT,
+            LIMB_CHAIN,
+            2,
+            WHOLE_CASE_ACTIVATION,
+            target=(eyes[0] + 3.0, eyes[1], 1.0),
+        ),
     )
     wishes.insert(
-        5, BalanceConstraint(ADAPTED_MOTION_ID, "Balance", BodyPoint(BodyPart.PELVIS), ROOT_CHAIN, 0, WHOLE_CASE)
+        5,
+        BalanceConstraint(
+            ADAPTED_MOTION_ID, "Balance", BodyPoint(BodyPart.PELVIS), ROOT_CHAIN, 0, WHOLE_CASE_ACTIVATION
+        ),
     )
     abdomen = BodyPoint(BodyPart.ABDOMEN)
     bend = from_matrix(adapted.rotations[:1, adapted.morphology.layout.segment_of_part(BodyPart.ABDOMEN)])[0]
     wishes.append(
-        OrientationConstraint(ADAPTED_MOTION_ID, "Abdomen", abdomen, WITH_TRUNK, 3, WHOLE_CASE, target=tuple(bend))
+        OrientationConstraint(
+            ADAPTED_MOTION_ID, "Abdomen", abdomen, LIMB_AND_TRUNK_CHAIN, 3, WHOLE_CASE_ACTIVATION, target=tuple(bend)
+        )
     )
     return tuple(wishes)
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
-from studio.cli.bench_cases import BenchCase, places_of
+from studio.cli.bench_cases import BenchCase, target_positions
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.position import PositionConstraint
@@ -64,7 +64,7 @@ class _Frame:
         self.limits = np.array([free[segment] for segment in self.segments])
         self.root_is_free = ROOT_TRANSLATION in free
         self.sides = [int(each.point.part.startswith("right")) for each in wrists]
-        self.targets = np.array([places_of(task, each)[frame] for each in wrists])
+        self.targets = np.array([target_positions(task, each)[frame] for each in wrists])
         self.reaches = self.body.arm.sum(axis=1)[self.sides]
         self.ankles = standing.footing.ankles[:, frame]
         planted = standing.footing.states[:, frame] != 0

@@ -37,7 +37,7 @@ from studio.core.solver.standing.stand import grounded_motion_of  # noqa: E402
 from studio.io.importing import load_capture  # noqa: E402
 from studio.io.json_text import JsonObject  # noqa: E402
 from studio.jobs.adapt_report import quality_record  # noqa: E402
-from studio.jobs.adaptation import ReadyCapture, chosen_characters, made_ready  # noqa: E402
+from studio.jobs.adaptation import ReadyCapture, chosen_characters, ready_from_capture  # noqa: E402
 from studio.resources_folder import example_captures_folder  # noqa: E402
 
 CAPTURES = ROOT.parent / "shared" / "captures" / "bvh"
@@ -150,7 +150,7 @@ def measure(asked: argparse.Namespace, folders: Sequence[Path]) -> int:
         if capture.body_map is None:
             without.append(file.stem)
             continue
-        ready = made_ready(capture)
+        ready = ready_from_capture(capture)
         qualities.append(quality_row(ready, characters, own=not (asked.characters or asked.write)))
         print(*qualities[-1], flush=True)
         if asked.write:

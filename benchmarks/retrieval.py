@@ -22,8 +22,8 @@ from benchmarks.fighting import fights
 from benchmarks.hits import draw_hits
 from benchmarks.machine import machine
 from benchmarks.report import table as markdown
+from studio.core.clip_search import BYTES_A_FRAME, PoseQuery, SearchTable, pose_distances, search
 from studio.core.kernels import pose_search as at
-from studio.core.retrieval import BYTES_A_FRAME, PoseQuery, SearchTable, pose_distances, search
 from studio.library.catalogue import Catalogue
 from studio.library.clusters import map_of, rotation_free_features
 from studio.library.indexing import index_folders

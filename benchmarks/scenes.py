@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.clips import BUNDLED, REAL
-from studio.cli.bench_cases import ROOT_CHAIN, WHOLE_CHAIN, clip_of, make_tasks
+from studio.cli.bench_cases import ROOT_CHAIN, WHOLE_BODY_CHAIN, clip_of, make_tasks
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
@@ -46,7 +46,8 @@ RAMPS, HELD, AWAY = (0.2, 0.3), (0.3, 1.0), (0.1, 0.4)
 _REACH, _TRUNK = Chain(), Chain(trunk=1.0)
 _HEAD = Chain(limb=1.0, end_segment=1.0, clavicle=0.0, trunk=1.0)
 POINTS = (
-    (BodyPart.RIGHT_FOREARM, (_REACH, _TRUNK, WHOLE_CHAIN)), (BodyPart.LEFT_FOREARM, (_REACH, _TRUNK, WHOLE_CHAIN)),
+    (BodyPart.RIGHT_FOREARM, (_REACH, _TRUNK, WHOLE_BODY_CHAIN)),
+    (BodyPart.LEFT_FOREARM, (_REACH, _TRUNK, WHOLE_BODY_CHAIN)),
     (BodyPart.HEAD, (_HEAD,)), (BodyPart.RIGHT_SHANK, (_REACH,)), (BodyPart.LEFT_SHANK, (_REACH,)),
 )  # fmt: skip
 

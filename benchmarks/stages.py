@@ -23,7 +23,7 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.project import Performer, Project
 from studio.jobs.performances import prepared_capture
 from studio.library.scenes.fight import fight_training
-from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, bodies, material
+from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, source_motions, varied_characters
 from studio.live.playing_stage import LiveStage
 
 ROW = Clip("walk", 100, 160, 0.0, "before"), Clip("walk", 300, 370, 0.8, "after", mirrored=True)
@@ -35,7 +35,7 @@ WRISTS = tuple(BodyPoint(BodyPart(f"{side}_forearm"), at_end=True) for side in (
 
 def with_performers() -> Growth:
     """Microseconds for one frame of a stage of 1 to 1,000 performers, bodies in turn."""
-    stage = prepared_stage(bodies(5))
+    stage = prepared_stage(varied_characters(5))
     costs = []
     for count in (1, *CHARACTERS):  # the first one loads what all need
         keys = list(stage.performers)[:count]
@@ -49,7 +49,7 @@ def with_performers() -> Growth:
 
 def played_live() -> Growth:
     """The same of one step of a stage that plays live, solver in the loop, the least of a few steps."""
-    stage = prepared_stage(bodies(5))
+    stage = prepared_stage(varied_characters(5))
     costs = []
     for count in (1, *CHARACTERS):
         keys = list(stage.performers)[:count]
@@ -92,7 +92,7 @@ def kept() -> Prepare:
 
 def prepared_stage(characters: Mapping[str, Character]) -> Project:
     """As many performers as are measured at most, who play one row of two clips and lift both hands in it."""
-    stuff = material(walk=("Walk and turn", "walk_turn"))
+    stuff = source_motions(walk=("Walk and turn", "walk_turn"))
     names = list(characters)
     performers = {
         f"performer {number}": Performer(f"Performer {number}", names[number % len(names)], ROW, (1.2 * number, 0.0))

@@ -16,11 +16,11 @@ from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.stage.project import Project
-from studio.core.stage.staging import staged
+from studio.core.stage.staging import project_of_capture
 from studio.document.document import Document
 from studio.io.importing import GUESS_ALL
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, ReadyCapture, ready_capture
-from studio.library.scenes.stagehand import bodies
+from studio.library.scenes.stagehand import varied_characters
 from studio.resources_folder import example_captures_folder
 from studio.startup import first_run
 
@@ -47,7 +47,7 @@ def long_clip() -> ReadyCapture:
 
 def make_scene(clip: ReadyCapture, count: int) -> Project:
     """``count`` bodies side by side; wrists, head, ankles and balance are asked in the middle of the clip."""
-    project = staged(clip.capture, clip.contacts, bodies(count), ADAPTED_MOTION_ID)
+    project = project_of_capture(clip.capture, clip.contacts, varied_characters(count), ADAPTED_MOTION_ID)
     middle = middle_of(clip)
     curve = ActivationCurve(middle - HELD - RAMP, middle - HELD, middle + HELD, middle + HELD + RAMP)
     asked: list[Constraint] = []

@@ -24,7 +24,7 @@ from studio.startup.process import prepare_process  # noqa: E402
 prepare_process()
 
 from studio.core.solver.source import source_motion  # noqa: E402
-from studio.core.stage.staging import staged  # noqa: E402
+from studio.core.stage.staging import project_of_capture  # noqa: E402
 from studio.io.importing import GUESS_ALL  # noqa: E402
 from studio.io.media.film import write_film  # noqa: E402
 from studio.io.png import write_png  # noqa: E402
@@ -65,7 +65,9 @@ def pictures(path: Path, names: list[str]) -> Iterator[NDArray[np.uint8]]:
     """Columns (height, width, 4) of RGBA bytes: the source over the characters, each at one of twelve moments."""
     ready = ready_capture(path, GUESS_ALL)
     actor = actor_character("Source", ready.actor.morphology)
-    project = staged(ready.capture, ready.contacts, {SOURCE: actor, **chosen_characters(names)}, ADAPTED_MOTION_ID)
+    project = project_of_capture(
+        ready.capture, ready.contacts, {SOURCE: actor, **chosen_characters(names)}, ADAPTED_MOTION_ID
+    )
     results = {key: each.adapted for key, each in stage_performances(project).performances.items()}
     first = results[SOURCE].first_frame
     results[SOURCE] = source_motion(ready.motion, ready.actor).frames(first, first + results[SOURCE].frame_count - 1)

@@ -13,7 +13,7 @@ prepare_process()
 from studio.app import sample  # noqa: E402
 from studio.core.normalized.normalize import detected_contacts  # noqa: E402
 from studio.core.stage.project import Motion, Project  # noqa: E402
-from studio.core.stage.staging import staged  # noqa: E402
+from studio.core.stage.staging import project_of_capture  # noqa: E402
 from studio.io.adapted_file import write_adapted  # noqa: E402
 from studio.io.importing import load_capture  # noqa: E402
 from studio.io.project.character_file import bundled_characters  # noqa: E402
@@ -34,7 +34,7 @@ def main(arguments: list[str]) -> None:
         contacts={f"contact {place}": contact for place, contact in enumerate(contacts)},
     )
     write_project(folder / sample.SAMPLE_PROJECT, kept, sample.SAMPLE_MOTION_ID)
-    project = staged(capture, contacts, bundled_characters(), sample.SAMPLE_MOTION_ID)
+    project = project_of_capture(capture, contacts, bundled_characters(), sample.SAMPLE_MOTION_ID)
     write_adapted(folder / sample.SAMPLE_MOTIONS, adapted_performers(project))
     for path in (folder / sample.SAMPLE_PROJECT, folder / sample.SAMPLE_MOTIONS):
         print(f"{path.name}: {path.stat().st_size // 1000} kB")

@@ -11,7 +11,7 @@ from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
 from studio.io.export import take_of_actor, write_take
 from studio.io.importing import load_capture
-from studio.jobs.adaptation import made_ready
+from studio.jobs.adaptation import ready_from_capture
 from tests.real.taken import named
 
 
@@ -19,7 +19,7 @@ def write_climb(path: Path, rise: float) -> Steps:
     """Write the walk, adapted to four steps of ``rise`` metres on its own body; returns the steps in the motion's
     space.
     """
-    ready = made_ready(load_capture(named("walk")))
+    ready = ready_from_capture(load_capture(named("walk")))
     hips = source_motion(ready.motion, ready.actor).positions[ready.capture.first_frame :, 0, :2]
     way = (hips[-1] - hips[0]) / np.linalg.norm(hips[-1] - hips[0])
     steps = Steps(0.0, rise, 0.32, 4, math.atan2(way[1], way[0]), tuple((hips[0] + 0.4 * way).tolist()))

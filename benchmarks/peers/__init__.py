@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.clips import ROOT
-from studio.cli.bench_cases import BenchCase, places_of
+from studio.cli.bench_cases import BenchCase, target_positions
 from studio.core.body.morphology import Morphology
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.position import PositionConstraint
@@ -106,7 +106,7 @@ def problem(task: BenchCase) -> dict[str, Any]:
         "rotations": poses.local_rotations[frames],
         "roots": poses.local_translations[frames, 0],
         "wishes": np.array([points.index(point_indices(place.point, body.layout)[0]) for place in places]),
-        "targets": np.array([places_of(task, place)[frames] for place in places]),
+        "targets": np.array([target_positions(task, place)[frames] for place in places]),
         "priorities": np.array([place.priority for place in places]),
         "free": free,
         "holds_feet": bool(request.contacts),

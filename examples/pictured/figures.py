@@ -27,7 +27,7 @@ from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.standing.stand import stand
 from studio.core.solver.standing.support_polygon import corners, mass_path, standing_mask, support_polygons
-from studio.core.windows import highest
+from studio.core.windows import sliding_maximum
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, ReadyCapture, ready_capture
@@ -239,7 +239,7 @@ def smoothing() -> Figure:
     track = np.where(times < 0.0, 0.0, 1.0)
     half = round(width * rate)
     hann = np.hanning(2 * half + 3)[1:-1] / np.hanning(2 * half + 3).sum()
-    peak = highest(np.abs(times) < 0.5 / rate, half).astype(np.float64)
+    peak = sliding_maximum(np.abs(times) < 0.5 / rate, half).astype(np.float64)
     bump = np.convolve(np.pad(peak, half), hann, mode="valid")
     mean = np.convolve(np.pad(track, half, mode="edge"), hann, mode="valid")
     figure = Figure(figsize=(9.0, 2.8), layout="constrained")

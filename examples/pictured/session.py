@@ -21,7 +21,7 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.mesh.hand_shapes import FIST_GRIP, RELAXED_GRIP
-from studio.core.stage.staging import staged
+from studio.core.stage.staging import project_of_capture
 from studio.document.document import Document
 from studio.io.importing import ImportOptions
 from studio.io.project.character_file import bundled_characters
@@ -49,7 +49,7 @@ class Session:
         contacts = read.annotations.of_motion(capture).contacts or ()
         grip = FIST_GRIP if "kick" in capture or "punch" in capture else RELAXED_GRIP
         bodies = {name: replace(each, grip=grip) for name, each in bundled_characters().items()}
-        self.document.new(staged(read.capture, contacts, bodies, capture))
+        self.document.new(project_of_capture(read.capture, contacts, bodies, capture))
         application.import_views()
         application.show_views(self.window)
         self.settle()

@@ -21,7 +21,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Adapted:
-    """F frames of a performer on the stage, adapted to its body."""
+    """Motion of a performer on the stage, adapted to its body, with F frames."""
 
     project: Project
     performer_id: str
@@ -39,22 +39,22 @@ class Adapted:
 
     @cached_property
     def times(self) -> FloatArray:
-        """Stage time of each frame, (F,) seconds."""
+        """Stage times (F,) of the frames in seconds."""
         timing = self.performance.composite.timing
         return timing.start + np.arange(self.performance.adapted_on_stage.frame_count) / self.frame_rate
 
     def frame_at(self, time: float) -> int:
-        """Frame nearest to ``time``, in seconds of the stage."""
+        """Frame nearest to stage second ``time``."""
         return int(np.argmin(np.abs(self.times - time)))
 
     def place_of(self, point: BodyPoint) -> FloatArray:
-        """Positions of a point of the body, (F, 3) metres on the stage."""
+        """Positions (F, 3) of a point of the body, in metres on the stage."""
         placement = Placement.of(self.project.performers[self.performer_id])
         return placement.to_stage(body_point_positions(point, self.performance.adapted_on_stage))
 
     @property
     def residuals(self) -> dict[str, FloatArray]:
-        """Residual of each constraint by its id, (F,) metres or radians, NaN where it is inactive.
+        """Residuals (F,) of each constraint by its id, in metres or radians; NaN where it is inactive.
 
         A constraint that applies to several clips of the performer, or to repeats of one, has the residual of the
         playing clip.

@@ -36,13 +36,14 @@ from studio.library.catalogue import Catalogue
 from studio.library.clip_labels import Kind, Limb
 from studio.library.indexing import bundled_library
 from studio.library.library import Library
-from studio.library.searching import Result, StrikeQuery, place_before, search_strikes
+from studio.library.searching import Result, StrikeQuery, position_ahead_of, search_strikes
 
 DEFAULT_EXPORT = ExportOptions()
+"""Export options with which the take's own values are kept."""
 
 
 class Scene:
-    """Captures, characters, performers, constraints and contacts, edited by id."""
+    """Scene with captures, characters, performers, constraints and contacts, which a script edits by id."""
 
     def __init__(self, document: EditedProject | None = None) -> None:
         """Edit ``document``, for example that of an open window, or a new one."""
@@ -50,7 +51,7 @@ class Scene:
 
     @property
     def project(self) -> Project:
-        """All entities at present: an immutable value."""
+        """All entities of the scene at present, as an immutable value."""
         return self.document.project
 
     # Edits
@@ -246,7 +247,7 @@ class Scene:
         frame = composite.timing.first + adapted.frame_at(time)
         pose = replace(composite.motion, channels=composite.motion.channels[frame : frame + 1])
         body = adapted.performance.adapted.morphology
-        asked = StrikeQuery(pose, body, place_before(pose, body, target), limbs=limbs, kinds=kinds)
+        asked = StrikeQuery(pose, body, position_ahead_of(pose, body, target), limbs=limbs, kinds=kinds)
         return search_strikes(_library(library), asked, count)
 
     def save(self, path: Path | str) -> None:

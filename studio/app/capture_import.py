@@ -23,7 +23,13 @@ from studio.core.markers.take import MarkerTake
 from studio.core.solver.performers.rows import stage_span
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import GROUND_ID, Motion, Project, new_id
-from studio.core.stage.staging import is_unarranged, lined_up, side_by_side, swept_points, travel_heading
+from studio.core.stage.staging import (
+    is_unarranged,
+    performers_in_row,
+    performers_side_by_side,
+    swept_points,
+    travel_heading,
+)
 from studio.document.document import Document
 from studio.io.figure.kept_references import with_reference_kept
 from studio.io.importing import GUESS_ALL, ImportOptions, known_of_motion, read_capture, read_file
@@ -406,7 +412,7 @@ def _perform(document: Document, motion_id: str, text: str) -> None:
     swept = swept_points(capture, clip.first, clip.last)
     if swept is not None and is_unarranged(row):
         legs = {key: project.characters[row[key].character_id].morphology.leg_length for key in playing}
-        playing = lined_up(row, travel or 0.0, {key: leg * swept for key, leg in legs.items()})
+        playing = performers_in_row(row, travel or 0.0, {key: leg * swept for key, leg in legs.items()})
     for key, performer in playing.items():
         document.replace("performers", key, performer, text)
 
@@ -415,4 +421,4 @@ def _bundled_bodies() -> list[Any]:
     from studio.io.project.character_file import bundled_characters
 
     characters = bundled_characters()
-    return list(zip(characters.values(), side_by_side(characters).values(), strict=True))
+    return list(zip(characters.values(), performers_side_by_side(characters).values(), strict=True))

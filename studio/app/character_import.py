@@ -17,7 +17,7 @@ from studio.core.mesh.character import Character
 from studio.core.names import free_name
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Performer, Project
-from studio.core.stage.staging import end_of_row, swept_points
+from studio.core.stage.staging import next_row_position, swept_points
 from studio.document import colours
 from studio.document.document import Document
 from studio.io.figure.body import remapped_character
@@ -124,7 +124,7 @@ def add_read_character(document: Document, character: Character, text: str) -> s
         for key, each in project.performers.items()
         if (swept := _swept_points(project, each.clips, project.characters[each.character_id])) is not None
     }
-    position = end_of_row(project.performers, gaps, sweeps, _swept_points(project, clips, character))
+    position = next_row_position(project.performers, gaps, sweeps, _swept_points(project, clips, character))
     with document.group(text):
         character_id = document.add("characters", character, text)
         performer = Performer(character.name, character_id, clips, position)

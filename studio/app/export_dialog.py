@@ -13,7 +13,7 @@ from studio.app.file_dialogs import ask_folder, ask_new_file
 from studio.app.workbench import Workbench
 from studio.core.errors import StudioError
 from studio.core.names import safe_name
-from studio.io.export_choices import REST_POSES, RESTING, ROOTS, SKELETAL
+from studio.io.export_choices import REST_POSE_SUFFIXES, REST_POSES, ROOT_CHOICES, SKELETON_SUFFIXES
 from studio.io.export_options import ExportOptions
 from studio.io.joint_names import joint_namings
 from studio.io.registry import known_formats
@@ -110,7 +110,7 @@ class ExportDialog(QDialog):
         self.frame_rate = Choice(
             "Frame rate", [(None, "As captured"), *((rate, f"{rate:g} fps") for rate in MOTION_FRAME_RATES)]
         )
-        self.root = Choice("Root", list(ROOTS.items()))
+        self.root = Choice("Root", list(ROOT_CHOICES.items()))
         self.position = Choice("Position", [("stage", "On the stage"), ("origin", "At the origin")])
         self.picture_size = Choice("Size", [(size, f"{size[0]} × {size[1]}") for size in IMAGE_SIZES])
         self.rate = Choice("Frame rate", [(rate, f"{rate:g} fps") for rate in FRAME_RATES])
@@ -161,7 +161,7 @@ class ExportDialog(QDialog):
         is_cut = self.range.value == "timeline"
         return ExportOptions(
             joint_names=str(self.names.value),
-            rest_pose=str(self.rest.value) if chosen.suffix in RESTING else "",
+            rest_pose=str(self.rest.value) if chosen.suffix in REST_POSE_SUFFIXES else "",
             body_only=self.others.value == "leave",
             begin=begin if is_cut else None,
             end=end if is_cut else None,
@@ -254,10 +254,10 @@ class ExportDialog(QDialog):
             self.range: kind.what in CONTENTS_WITH_BODIES,
             self.frame_rate: kind.what in CONTENTS_WITH_BODIES,
             self.names: kind.what in CONTENTS_WITH_BODIES,
-            self.rest: kind.what in CONTENTS_WITH_BODIES and kind.suffix in RESTING,
+            self.rest: kind.what in CONTENTS_WITH_BODIES and kind.suffix in REST_POSE_SUFFIXES,
             self.root: kind.what in CONTENTS_WITH_BODIES and kind.suffix != ".s4d",
             self.position: kind.what is ExportContent.ADAPTED,
-            self.others: kind.what in CONTENTS_WITH_BODIES and kind.suffix in SKELETAL and bool(self._carried),
+            self.others: kind.what in CONTENTS_WITH_BODIES and kind.suffix in SKELETON_SUFFIXES and bool(self._carried),
             self.picture_size: kind.what is ExportContent.FILM,
             self.rate: kind.what is ExportContent.FILM,
         }

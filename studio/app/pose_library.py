@@ -11,7 +11,7 @@ from studio.core.errors import StudioError
 from studio.core.names import free_name
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.correction import PoseOffsets
-from studio.core.stage.local_pose import POSE_REGIONS, local_pose, turns_to
+from studio.core.stage.local_pose import POSE_REGIONS, local_pose, offsets_towards
 from studio.document.correction_edits import correction_at, set_pose
 from studio.engine.correction_range import fitted_range
 from studio.engine.posed_performer import PosedPerformer, pose_of
@@ -58,7 +58,7 @@ class PoseLibrary:
         weight = correction.weight if correction and correction.weight else 1.0
         acting = offsets.scaled(weight if correction is None or correction.enabled else 0.0)
         layout, rotations = shown.motion.morphology.layout, shown.motion.rotations[shown.row]
-        turns = turns_to(layout, rotations, saved.pose, POSE_REGIONS[region], fraction, dict(acting.turns))
+        turns = offsets_towards(layout, rotations, saved.pose, POSE_REGIONS[region], fraction, dict(acting.turns))
         x, y, z = acting.hips
         rise = fraction * (saved.pose.hips_height - _hips_height(shown)) if region in REGIONS_WITH_HIPS else 0.0
         wanted = PoseOffsets(tuple(turns.items()), (x, y, z + rise)).scaled(1.0 / weight)

@@ -40,7 +40,7 @@ class PoseMapController:
             return made, groups_of(made, library)
 
         def done(made: "tuple[PoseMap, list[PoseGroup]]") -> None:
-            from studio.core.retrieval import ROW_STICKS, STICK_SIDES
+            from studio.core.clip_search import ROW_STICKS, STICK_SIDES
 
             self._library, self._map = library, made[0]
             self.view.show_groups(made[1], ROW_STICKS, STICK_SIDES)
@@ -68,7 +68,7 @@ class PoseMapController:
 
 def groups_of(made: "PoseMap", library: "Library") -> "list[PoseGroup]":
     """Figures of the pose map, one for each group of poses."""
-    from studio.core.retrieval import row_points
+    from studio.core.clip_search import row_points
 
     points, places = row_points(library.table.rows[made.representatives]), made.places(library.table.rows)
     counts = np.bincount(made.clusters, minlength=len(points))

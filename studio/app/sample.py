@@ -12,7 +12,7 @@ from studio.app.workbench import Workbench
 from studio.core.mesh.hand_shapes import FIST_GRIP
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
-from studio.core.stage.staging import side_by_side, staged
+from studio.core.stage.staging import performers_side_by_side, project_of_capture
 from studio.io.adapted_file import read_adapted
 from studio.io.project.character_file import bundled_characters
 from studio.io.project.project_file import read_project
@@ -27,7 +27,7 @@ SAMPLE_PROJECT, SAMPLE_MOTIONS = f"{SAMPLE_NAME}.studio", f"{SAMPLE_NAME}.npz"
 def empty_project() -> Project:
     """Project with the bundled characters and no capture."""
     characters = bundled_characters()
-    return Project(characters=characters, performers=side_by_side(characters))
+    return Project(characters=characters, performers=performers_side_by_side(characters))
 
 
 def capture_file() -> Path:
@@ -42,7 +42,7 @@ def read_sample() -> tuple[Project, dict[str, AdaptedMotion]]:
     kept = read_project(folder / SAMPLE_PROJECT).project
     capture = kept.captures[SAMPLE_MOTION_ID]
     bodies = {key: character.morphology for key, character in characters.items()}
-    project = staged(capture, tuple(kept.contacts.values()), characters, SAMPLE_MOTION_ID)
+    project = project_of_capture(capture, tuple(kept.contacts.values()), characters, SAMPLE_MOTION_ID)
     return project, read_adapted(folder / SAMPLE_MOTIONS, bodies, capture.frame_rate)
 
 

@@ -147,13 +147,13 @@ class StrikeSearchController:
 
         def work(progress: Progress) -> "tuple[Library, str]":
             from studio.library.catalogue import Catalogue
-            from studio.library.indexing import index_folders, whole_library
+            from studio.library.indexing import index_folders, load_library
 
             with Catalogue(self.folder) as catalogue:
                 is_new = not catalogue.paths() or catalogue.repaired
                 if is_new and not catalogue.read_only:  # it begins with the strikes that come with the studio
                     index_folders(catalogue, [bundled_strikes_folder()], progress)
-                library = whole_library(catalogue, progress)
+                library = load_library(catalogue, progress)
                 return library, catalogue.remarks
 
         def done(answer: "tuple[Library, str]") -> None:

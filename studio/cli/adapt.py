@@ -15,12 +15,12 @@ from studio.core.plausible import PLACE_RANGE
 from studio.core.stage.placement import Placement
 from studio.io.json_text import JsonObject, write_json
 from studio.jobs.adapted_files import AdaptSettings, adapt_file, file_name
-from studio.jobs.batch_summary import rows_of, write_rows
+from studio.jobs.batch_summary import summary_rows, write_rows
 from studio.startup.kernel_warm_up import compile_first
 
 
 def run(arguments: Namespace) -> int:
-    """Adapt, export and report."""
+    """Adapt, export and report, and return the exit code."""
     if arguments.stage is not None:
         return run_stage(arguments)
     if arguments.one_file:
@@ -35,7 +35,7 @@ def run(arguments: Namespace) -> int:
     compile_first()
     report = adapt_file(arguments.capture, settings, cast, arguments.out)
     write_json(reports[0], report)
-    write_rows(reports[1], rows_of([{**report, "name": arguments.capture.stem}]))
+    write_rows(reports[1], summary_rows([{**report, "name": arguments.capture.stem}]))
     if arguments.json:
         print_json(report)
     else:
@@ -48,7 +48,7 @@ def adapt_settings(arguments: Namespace) -> AdaptSettings:
     """Settings from the arguments of ``adapt`` and ``batch``. Raises StudioError for a map that cannot be read."""
     return AdaptSettings(
         characters=tuple(arguments.character),
-        places=places_of(arguments.place),
+        places=placements_of_words(arguments.place),
         constraints=arguments.constraints,
         ground=arguments.ground,
         on_steps=arguments.on_steps,
@@ -63,7 +63,7 @@ def adapt_settings(arguments: Namespace) -> AdaptSettings:
     )
 
 
-def places_of(said: Sequence[Sequence[str]]) -> dict[str, Placement]:
+def placements_of_words(said: Sequence[Sequence[str]]) -> dict[str, Placement]:
     """Placement by character from the words of ``--place``: name, x, y, degrees. Raises StudioError for bad numbers."""
     places = {}
     for name, *numbers in said:

@@ -27,13 +27,13 @@ from studio.jobs.bundled_scenes import open_project
 from studio.jobs.performances import stage_performances
 from studio.startup.kernel_warm_up import compile_first
 
-OF_CAPTURES = ("capture", "character", "constraints", "ground", "place")
-"""Arguments that a project provides itself."""
+CAPTURE_ARGUMENTS = ("capture", "character", "constraints", "ground", "place")
+"""Arguments that a project provides itself, and that ``--stage`` therefore refuses."""
 
 
 def run_stage(arguments: Namespace) -> int:
-    """Adapt, export and report; returns 1 if a performer failed, while the others are written."""
-    given = [name for name in OF_CAPTURES if getattr(arguments, name)]
+    """Adapt, export and report; return 1 if a performer failed, while the others are written."""
+    given = [name for name in CAPTURE_ARGUMENTS if getattr(arguments, name)]
     if given:
         what = "another motion" if given[0] == "capture" else f"--{given[0]}"
         raise StudioError(f"--stage adapts a project, which has all of its own: leave out {what}.")
@@ -78,7 +78,7 @@ def run_stage(arguments: Namespace) -> int:
 
 
 def with_solver_options(project: Project, arguments: Namespace) -> Project:
-    """``project`` with joint limits and temporal smoothing disabled where the command line says so."""
+    """Project with joint limits and temporal smoothing disabled as the command line says."""
     performers = [
         (
             key,
@@ -109,7 +109,7 @@ def _free(stem: str, taken: Iterable[str], suffix: str) -> str:
 
 
 def performer_record(project: Project, key: str, performance: Performance, path: Path, *, by_frame: bool) -> JsonObject:
-    """Part of the report about a performer."""
+    """Part of the report about one performer."""
     request, composite = performance.request, performance.composite
     source = motion_on_body(composite.motion, request.actor or request.morphology.first_frame_body)
     peaks = MotionPeaks.of_source(source, performance.adapted_on_stage)

@@ -1,4 +1,4 @@
-"""Arguments of every verb, for `VERB --help`, without importing what the verbs compute with."""
+"""Arguments of every verb, for ``VERB --help``, without importing the code that the verbs run."""
 
 from argparse import REMAINDER, ArgumentParser, RawDescriptionHelpFormatter
 from collections.abc import Callable
@@ -6,9 +6,9 @@ from pathlib import Path
 
 import platformdirs
 
-from studio.cli.ranges import LONGEST_SECONDS, key_press, number, size, whole
-from studio.core.plausible import FRAME_RATE, PLACE_RANGE
-from studio.io.export_choices import REST_POSES, ROOTS
+from studio.cli.ranges import LONGEST_SECONDS, key_press, number_parser, size_parser, whole_parser
+from studio.core.plausible import FRAME_RATE_RANGE, PLACE_RANGE
+from studio.io.export_choices import REST_POSES, ROOT_CHOICES
 from studio.io.joint_names import joint_namings
 from studio.library.clip_labels import Kind, Limb
 from studio.live.tracker import LOOPBACK, PORT
@@ -16,18 +16,19 @@ from studio.resources_folder import help_file
 
 LIMB_WORDS = {limb.words.replace(" ", "-"): limb for limb in Limb}
 STRIKE_KINDS = {kind.value.replace(" ", "-"): kind for kind in Kind if kind is not Kind.NONE}
-SPACE = """
+MOTION_SPACE_HELP = """
 Targets of constraints are metres in the motion's own space: X forward, Y left, Z up, the origin on the ground
 under the root at the motion's first frame. Times are seconds from the first frame of the file. The format of
 FILE.json is told in
 """
+"""Text of the help about the space of targets."""
 MOST_FRAMES_READ = 100_000_000
 
-metres = number(-PLACE_RANGE.most, PLACE_RANGE.most, "a number of metres")
-seconds = number(0.0, LONGEST_SECONDS, "a number of seconds")
-frame_rate = number(FRAME_RATE.least, FRAME_RATE.most, "a number of frames per second")
-weight = number(0.0, 1e6, "a weight")
-port = whole(1, 65_535, "a port")
+metres = number_parser(-PLACE_RANGE.most, PLACE_RANGE.most, "a number of metres")
+seconds = number_parser(0.0, LONGEST_SECONDS, "a number of seconds")
+frame_rate = number_parser(FRAME_RATE_RANGE.least, FRAME_RATE_RANGE.most, "a number of frames per second")
+weight = number_parser(0.0, 1e6, "a weight")
+port = whole_parser(1, 65_535, "a port")
 
 
 def add_info_arguments(parser: ArgumentParser) -> None:
@@ -65,7 +66,7 @@ def add_batch_arguments(parser: ArgumentParser) -> None:
     add_adaptation_options(parser)
     parser.add_argument(
         "--workers",
-        type=whole(1, 1024, "a number of processes"),
+        type=whole_parser(1, 1024, "a number of processes"),
         metavar="N",
         help="worker processes on this machine (default: number of cores)",
     )
@@ -86,7 +87,7 @@ def add_search_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("capture", type=Path, metavar="CAPTURE", help="capture the character is playing")
     parser.add_argument(
         "--frame",
-        type=whole(0, MOST_FRAMES_READ, "a frame"),
+        type=whole_parser(0, MOST_FRAMES_READ, "a frame"),
         default=0,
         metavar="N",
         help="frame to continue from",
@@ -108,7 +109,7 @@ def add_search_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--in-box", action="store_true", help="exclude clips that cannot reach the target")
     parser.add_argument(
         "--count",
-        type=whole(1, 100_000, "a number of clips"),
+        type=whole_parser(1, 100_000, "a number of clips"),
         default=8,
         metavar="N",
         help="number of clips to list",
@@ -147,7 +148,7 @@ def add_live_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--stream-to", metavar="ADDRESS", help="address to stream to (default: this computer)")
     parser.add_argument(
         "--strike-every",
-        type=number(0.05, LONGEST_SECONDS, "a number of seconds"),
+        type=number_parser(0.05, LONGEST_SECONDS, "a number of seconds"),
         metavar="S",
         help="strike automatically at this interval; otherwise type 'left punch'",
     )
@@ -189,11 +190,11 @@ def add_render_arguments(parser: ArgumentParser) -> None:
     )
     parser.add_argument("--camera", metavar="NAME", help="look through a saved camera of the project")
     parser.add_argument(
-        "--size", type=size(16, 8192), default=(1280, 720), metavar="WxH", help="pixels; 1280x720 by default"
+        "--size", type=size_parser(16, 8192), default=(1280, 720), metavar="WxH", help="pixels; 1280x720 by default"
     )
     parser.add_argument(
         "--film-rate",
-        type=number(1.0, 240.0, "a number of frames per second"),
+        type=number_parser(1.0, 240.0, "a number of frames per second"),
         default=30.0,
         metavar="FPS",
         help="frame rate of a video (default: 30)",
@@ -209,7 +210,7 @@ def add_bench_arguments(parser: ArgumentParser) -> None:
     parser.add_argument("--character", default="adult_woman", metavar="NAME|FILE", help="adult_woman by default")
     parser.add_argument(
         "--runs",
-        type=whole(1, 100_000, "a number of runs"),
+        type=whole_parser(1, 100_000, "a number of runs"),
         default=9,
         metavar="N",
         help="number of runs; the median is reported (default: 9)",
@@ -220,7 +221,7 @@ def add_bench_arguments(parser: ArgumentParser) -> None:
 def add_adaptation_options(parser: ArgumentParser) -> None:
     """Add the options of ``adapt`` and ``batch``: characters, constraints, output and import."""
     parser.formatter_class = RawDescriptionHelpFormatter
-    parser.epilog = SPACE + str(help_file())
+    parser.epilog = MOTION_SPACE_HELP + str(help_file())
     parser.add_argument(
         "--character",
         nargs="+",
@@ -283,13 +284,13 @@ def add_import_options(parser: ArgumentParser) -> None:
     group.add_argument("--undo-swaps", action="store_true", help="fix swapped marker labels of a C3D")
     group.add_argument(
         "--fill-gaps",
-        type=number(0.0, 60.0, "a number of seconds"),
+        type=number_parser(0.0, 60.0, "a number of seconds"),
         metavar="S",
         help="fill marker gaps up to this length with splines (default 0.15 s; 0 = off)",
     )
     group.add_argument(
         "--smooth",
-        type=number(0.01, 1000.0, "a number of Hz"),
+        type=number_parser(0.01, 1000.0, "a number of Hz"),
         metavar="HZ",
         help="low-pass cut-off frequency for markers",
     )
@@ -323,7 +324,7 @@ def add_export_options(parser: ArgumentParser) -> None:
     group.add_argument("--rate", type=frame_rate, metavar="FPS", help="output frame rate; default: that of the motion")
     group.add_argument(
         "--root",
-        choices=tuple(filter(None, ROOTS)),
+        choices=tuple(filter(None, ROOT_CHOICES)),
         default="",
         help="root motion: add a root joint on the floor, or keep the hips in place; default: the hips carry it",
     )

@@ -10,12 +10,12 @@ from studio.cli.printing import print_json
 from studio.core.errors import Stopped
 from studio.core.names import counted_noun
 from studio.jobs.batch import BatchResult, BatchSettings, FileDone, run_batch
-from studio.jobs.batch_summary import rows_of
+from studio.jobs.batch_summary import summary_rows
 from studio.startup.kernel_warm_up import compile_first
 
 
 def run(arguments: Namespace) -> int:
-    """Run the batch, with one line on standard error a file. Returns 1 if any file failed."""
+    """Run the batch, with one line on standard error for each file, and return 1 if any file failed."""
     settings = BatchSettings(
         arguments.folder,
         arguments.out,
@@ -53,7 +53,7 @@ def _print_result(result: BatchResult, as_json: bool) -> None:
                 "failed": result.failed,
                 "summary": str(result.table),
                 "page": str(result.page),
-                "rows": rows_of(result.records),
+                "rows": summary_rows(result.records),
             }
         )
         return

@@ -22,12 +22,12 @@ from studio.io.json_text import JsonObject
 from studio.jobs.adaptation import ReadyCapture, chosen_characters, ready_capture
 from studio.resources_folder import example_captures_folder
 
-USUAL_EXAMPLE = "reach_grasp.bvh"
+BENCH_EXAMPLE_FILE = "reach_grasp.bvh"
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """Job with the microseconds that the paper took for one unit of it, and our aim."""
+    """Timed job, with the microseconds that the paper took for one unit of it, and our aim."""
 
     job: BenchJob
     paper: float | None = None
@@ -52,15 +52,17 @@ def run(arguments: Namespace) -> int:
 
 def bundled_capture() -> Path:
     """Path of the example to measure on: a body that stands and reaches, or the first one there is."""
-    files = sorted(example_captures_folder().glob("*.bvh"), key=lambda file: (file.name != USUAL_EXAMPLE, file.name))
+    files = sorted(
+        example_captures_folder().glob("*.bvh"), key=lambda file: (file.name != BENCH_EXAMPLE_FILE, file.name)
+    )
     if not files:
         raise StudioError("No example capture is bundled. Name one: `bench CAPTURE`.")
     return files[0]
 
 
 def frame_cases(ready: ReadyCapture, character: Character) -> list[Case]:
-    """Cases that run for every frame of a clip: whole clips, conversion included, and forward kinematics as the lower
-    bound.
+    """Cases that run for every frame of a clip: whole clips with conversion, and forward kinematics as a
+    lower bound.
     """
     motion, contacts = clip_of(ready)
     body, count = character.morphology, motion.frame_count

@@ -29,19 +29,19 @@ from studio.jobs.adaptation import ADAPTED_MOTION_ID, ReadyCapture
 
 FloatArray = NDArray[np.float64]
 
-FRAMES = 1200
-"""Maximum length in frames of the clips that are adapted."""
-TARGET_BEYOND_REACH = 0.1
-"""Residual in metres of a target beyond the arm's reach, in every frame, as the arm alone is solved."""
-NEAR_TARGET = 0.8
-"""Distance of a reachable target from the shoulder, in arm lengths."""
-FAR_TARGET = 2.0
-"""Distance from the shoulder in arm lengths that is out of reach even with all joint limits lifted."""
-ELBOW_OFFSET = 0.15
-"""Distance in metres from the elbow's position, with its wrist held, to the elbow's target."""
+MOST_BENCH_FRAMES = 1200
+"""Maximum length in frames of the adapted clips."""
+BEYOND_REACH_METRES = 0.1
+"""Residual in metres of a target beyond the arm's reach, in every frame, when the arm alone is solved."""
+NEAR_TARGET_ARM_LENGTHS = 0.8
+"""Distance from the shoulder of a reachable target, in arm lengths."""
+FAR_TARGET_ARM_LENGTHS = 2.0
+"""Distance from the shoulder of a target that is out of reach even without joint limits, in arm lengths."""
+ELBOW_OFFSET_METRES = 0.15
+"""Distance in metres of the elbow's target from the elbow's position while its wrist is held."""
 
-WHOLE_CASE = ActivationCurve(-1.0, -1.0, 1e6, 1e6)
-LIMB, WITH_TRUNK, WHOLE_CHAIN = Chain(clavicle=0.0), Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)
+WHOLE_CASE_ACTIVATION = ActivationCurve(-1.0, -1.0, 1e6, 1e6)
+LIMB_CHAIN, LIMB_AND_TRUNK_CHAIN, WHOLE_BODY_CHAIN = Chain(clavicle=0.0), Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)
 ROOT_CHAIN = Chain(0.0, 0.0, 0.0, 0.0, 1.0)
 BENCH_FOREARMS = BodyPart.LEFT_FOREARM, BodyPart.RIGHT_FOREARM
 BENCH_UPPER_ARMS = BodyPart.LEFT_UPPER_ARM, BodyPart.RIGHT_UPPER_ARM
@@ -49,7 +49,7 @@ BENCH_UPPER_ARMS = BodyPart.LEFT_UPPER_ARM, BodyPart.RIGHT_UPPER_ARM
 
 @dataclass(frozen=True, eq=False)
 class BenchCase:
-    """Row of the table: name, request, microseconds a frame that the paper took, and our aim.
+    """Row of the table: name, request, microseconds per frame that the paper took, and our aim.
 
     ``reachable`` is True if the constraint of highest priority can be met in most frames.
     """
@@ -62,7 +62,7 @@ class BenchCase:
 
     @property
     def highest(self) -> Constraint:
-        """Position constraint of the highest priority, which the others yield to."""
+        """Position constraint of the highest priority."""
         places = [each for each in self.request.constraints if isinstance(each, PositionConstraint)]
         return min(places, key=lambda each: each.priority)
 
@@ -73,8 +73,11 @@ def make_tasks(
     """Rows of the table for one clip and one body, from the easiest to the hardest."""
     right, left = 1, 0
     standing = stand(motion, body, contacts, Ground())
-    near, beyond = before_shoulder(standing, right, NEAR_TARGET), beyond_arm(standing, right)
-    far = [before_shoulder(standing, side, FAR_TARGET) for side in (left, right)]
+    near, beyond = (
+        positions_before_shoulder(standing, right, NEAR_TARGET_ARM_LENGTHS),
+        positions_beyond_arm(standing, right),
+    )
+    far = [positions_before_shoulder(standing, side, FAR_TARGET_ARM_LENGTHS) for side in (left, right)]
     tracks = {
         _follow("near"): near,
         _follow("beyond"): beyond,
@@ -84,15 +87,20 @@ def make_tasks(
     followed: Tracks = {follow: _track(places) for follow, places in tracks.items()}
     bare = AdaptRequest(motion, body, tracks=followed, eased=True)
     held = replace(bare, contacts=contacts)
-    balance = BalanceConstraint(ADAPTED_MOTION_ID, "Balance", BodyPoint(BodyPart.PELVIS), ROOT_CHAIN, 0, WHOLE_CASE)
-    reachable, strict = wrist(right, "near", LIMB), wrist(right, "near", WITH_TRUNK)
-    elbow, aside = elbow_aside(solve_constraints(standing, (strict,), tracks=bare.tracks), right)
+    balance = BalanceConstraint(
+        ADAPTED_MOTION_ID, "Balance", BodyPoint(BodyPart.PELVIS), ROOT_CHAIN, 0, WHOLE_CASE_ACTIVATION
+    )
+    reachable, strict = (
+        wrist_constraint(right, "near", LIMB_CHAIN),
+        wrist_constraint(right, "near", LIMB_AND_TRUNK_CHAIN),
+    )
+    elbow, aside = elbow_constraint_aside(solve_constraints(standing, (strict,), tracks=bare.tracks), right)
     return (
         BenchCase("+ one reachable limb", replace(bare, constraints=(reachable,)), 34.0, 2.0),
         BenchCase("the same, feet held", replace(held, constraints=(reachable,)), 34.0),
         BenchCase(
             "+ arm, clavicle and trunk, 10 cm beyond reach, feet held, balance",
-            replace(held, constraints=(balance, wrist(right, "beyond", WITH_TRUNK, 1))),
+            replace(held, constraints=(balance, wrist_constraint(right, "beyond", LIMB_AND_TRUNK_CHAIN, 1))),
             40.0,
             8.0,
         ),
@@ -105,7 +113,12 @@ def make_tasks(
         BenchCase(
             "worst: two unreachable wrists, planted feet, balance",
             replace(
-                held, constraints=(balance, wrist(left, "left", WHOLE_CHAIN, 1), wrist(right, "right", WHOLE_CHAIN, 1))
+                held,
+                constraints=(
+                    balance,
+                    wrist_constraint(left, "left", WHOLE_BODY_CHAIN, 1),
+                    wrist_constraint(right, "right", WHOLE_BODY_CHAIN, 1),
+                ),
             ),
             115.0,
             15.0,
@@ -114,7 +127,9 @@ def make_tasks(
     )
 
 
-def clip_of(ready: ReadyCapture, longest: int = FRAMES) -> tuple[NormalizedMotion, tuple[ContactInterval, ...]]:
+def clip_of(
+    ready: ReadyCapture, longest: int = MOST_BENCH_FRAMES
+) -> tuple[NormalizedMotion, tuple[ContactInterval, ...]]:
     """Motion of a capture from its first frame on, at most ``longest`` frames, with its contacts."""
     first = ready.capture.first_frame
     motion = ready.motion
@@ -127,34 +142,39 @@ def clip_of(ready: ReadyCapture, longest: int = FRAMES) -> tuple[NormalizedMotio
     return NormalizedMotion(motion.name, motion.frame_rate, channels, motion.spine_places, motion.girdle), contacts
 
 
-def wrist(side: int, target: str, chain: Chain, priority: int = 0) -> PositionConstraint:
-    """Position constraint of a wrist on the ``target``, active all the time."""
+def wrist_constraint(side: int, target: str, chain: Chain, priority: int = 0) -> PositionConstraint:
+    """Position constraint of a wrist at the followed target ``target``, active all the time."""
     return _position(BENCH_FOREARMS[side], target, chain, priority)
 
 
-def before_shoulder(standing: GroundedMotion, side: int, reach: float) -> FloatArray:
-    """Positions (F, 3) ``reach`` arm lengths before, and a little outside and below, a shoulder."""
+def positions_before_shoulder(standing: GroundedMotion, side: int, reach: float) -> FloatArray:
+    """Positions (F, 3) ``reach`` arm lengths in front of a shoulder, a little outward and below."""
     length = float(standing.morphology.first_frame_body.arm[side].sum())
     return np.asarray(_shoulder(standing, side) + reach * length * _directions(standing, side))
 
 
-def beyond_arm(standing: GroundedMotion, side: int) -> FloatArray:
-    """Positions (F, 3) that the arm alone misses by ``TARGET_BEYOND_REACH``, as it is solved."""
-    far = before_shoulder(standing, side, FAR_TARGET)
-    missed = solve_constraints(standing, (wrist(side, "far", LIMB),), tracks={_follow("far"): _track(far)}).residuals[0]
-    return np.asarray(far - (missed - TARGET_BEYOND_REACH)[:, None] * _directions(standing, side))
+def positions_beyond_arm(standing: GroundedMotion, side: int) -> FloatArray:
+    """Positions (F, 3) that the arm alone misses by ``BEYOND_REACH_METRES``."""
+    far = positions_before_shoulder(standing, side, FAR_TARGET_ARM_LENGTHS)
+    missed = solve_constraints(
+        standing, (wrist_constraint(side, "far", LIMB_CHAIN),), tracks={_follow("far"): _track(far)}
+    ).residuals[0]
+    return np.asarray(far - (missed - BEYOND_REACH_METRES)[:, None] * _directions(standing, side))
 
 
-def elbow_aside(solved: AdaptedMotion, side: int) -> tuple[PositionConstraint, Track]:
-    """Position constraint of the elbow at lower priority, and its target: ``ELBOW_OFFSET`` further from the line
-    shoulder-wrist.
+def elbow_constraint_aside(solved: AdaptedMotion, side: int) -> tuple[PositionConstraint, Track]:
+    """Position constraint of the elbow with lower priority, and its target track.
+
+    The target is ``ELBOW_OFFSET_METRES`` farther from the line from shoulder to wrist.
     """
     layout = solved.morphology.layout
     shoulder, elbow, end = (solved.positions[:, layout.collar_point(side) + k] for k in (1, 2, 3))
     axis = normalized(end - shoulder)
     out = elbow - shoulder
     out = normalized(out - np.sum(out * axis, axis=1, keepdims=True) * axis)
-    return _position(BENCH_UPPER_ARMS[side], "aside", WITH_TRUNK, 1), _track(elbow + ELBOW_OFFSET * out)
+    return _position(BENCH_UPPER_ARMS[side], "aside", LIMB_AND_TRUNK_CHAIN, 1), _track(
+        elbow + ELBOW_OFFSET_METRES * out
+    )
 
 
 def _shoulder(standing: GroundedMotion, side: int) -> FloatArray:
@@ -179,10 +199,12 @@ def _track(places: FloatArray) -> Track:
 
 def _position(part: BodyPart, target: str, chain: Chain, priority: int) -> PositionConstraint:
     point = BodyPoint(part, at_end=True)
-    return PositionConstraint(ADAPTED_MOTION_ID, part.label, point, chain, priority, WHOLE_CASE, target=_follow(target))
+    return PositionConstraint(
+        ADAPTED_MOTION_ID, part.label, point, chain, priority, WHOLE_CASE_ACTIVATION, target=_follow(target)
+    )
 
 
-def places_of(task: BenchCase, constraint: PositionConstraint) -> FloatArray:
+def target_positions(task: BenchCase, constraint: PositionConstraint) -> FloatArray:
     """Target positions (F, 3) of a task's position constraint."""
     if not isinstance(constraint.target, FollowTracked):
         raise TypeError(f"'{constraint.name}' is not a target of a task.")

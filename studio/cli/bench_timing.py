@@ -1,8 +1,8 @@
 """Timing that a busy machine does not distort: processor time of this process, cases in turn, median and best.
 
 The processor time of all threads of the process is measured, without the time spent waiting for a processor. All cases
-run once in every round, one after the other, so a minute in which the machine is slow affects all of them, and each
-case's median is over the same rounds.
+run once in every round, so that a minute in which the machine is slow affects all of them, and the median of each case
+is over the same rounds.
 """
 
 import statistics
@@ -10,13 +10,13 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-LONG_ENOUGH = 0.02
-"""Minimum seconds of work between two readings of the clock."""
+LEAST_BENCH_SECONDS = 0.02
+"""Least seconds of work between two readings of the clock."""
 
 
 @dataclass(frozen=True)
 class BenchJob:
-    """Job to be timed: ``work`` does it ``count`` times in one call."""
+    """Job to time: ``work`` does ``count`` units of it in one call."""
 
     name: str
     work: Callable[[], object]
@@ -25,7 +25,7 @@ class BenchJob:
 
 @dataclass(frozen=True)
 class JobTiming:
-    """Microseconds for one of the ``count`` units of a job."""
+    """Microseconds for one unit of a job."""
 
     median: float
     best: float
@@ -36,7 +36,7 @@ def time_jobs(jobs: Sequence[BenchJob], rounds: int) -> list[JobTiming]:
     repeats = []
     for job in jobs:
         job.work()
-        repeats.append(max(1, round(LONG_ENOUGH / max(_seconds(job, 1), 1e-7))))
+        repeats.append(max(1, round(LEAST_BENCH_SECONDS / max(_seconds(job, 1), 1e-7))))
     taken: list[list[float]] = [[] for _ in jobs]
     for _ in range(rounds):
         for job, times, times_over in zip(jobs, taken, repeats, strict=True):
@@ -45,7 +45,7 @@ def time_jobs(jobs: Sequence[BenchJob], rounds: int) -> list[JobTiming]:
 
 
 def _seconds(job: BenchJob, repeats: int) -> float:
-    """Processor time of one call in seconds, the mean over ``repeats``."""
+    """Processor time of one call in seconds, as the mean over ``repeats``."""
     start = time.process_time()
     for _ in range(repeats):
         job.work()

@@ -17,12 +17,12 @@ from studio.io.export import Take, format_for, take_of_capture, take_of_standing
 from studio.io.importing import ImportOptions, known_of_motion, load_character, read_capture, read_file
 from studio.io.project.character_file import actor_character
 from studio.io.registry import ReadCharacter, format_of, known_formats
-from studio.jobs.adaptation import ADAPTED_MOTION_ID, cleaning_records, ready_read
+from studio.jobs.adaptation import ADAPTED_MOTION_ID, cleaning_records, ready_from_read
 from studio.startup.kernel_warm_up import print_wait_reason
 
 
 def run(arguments: Namespace) -> int:
-    """Read, write, and print what was guessed or repaired."""
+    """Read, write, and print what was guessed or repaired; return the exit code."""
     if _writes_characters(arguments.target):
         refuse_replacing([arguments.target], arguments.source, arguments.overwrite)
         return _convert_character(arguments)
@@ -73,7 +73,7 @@ def _print_changes(guesses: Iterable[str], repairs: Iterable[str]) -> None:
 
 
 def _take_of(source: Path, options: ImportOptions) -> Take:
-    """Motion of a file; a file that can only hold a character gives one frame in which it stands."""
+    """Take of the motion in a file; a file that can only hold a character gives one frame in which it stands."""
     if not format_of(source, "capture_reader", "character_reader").capture_reader:
         still = load_character(source, options)
         standing = take_of_standing(still.character)
@@ -84,7 +84,7 @@ def _take_of(source: Path, options: ImportOptions) -> Take:
 
 
 def _writes_characters(target: Path) -> bool:
-    """True if the file is to hold a character: its suffix is that of a character and of no motion."""
+    """True if the suffix of the file is that of a character format and of no motion format."""
     known = known_formats()
     suffix = target.suffix.lower()
     return suffix in known.suffixes("character_writer") and suffix not in known.suffixes("motion_writer")
@@ -121,6 +121,6 @@ def _character_of(source: Path, options: ImportOptions) -> ReadCharacter:
     read = read_file(source, options)
     if isinstance(read, ReadCharacter):
         return read
-    ready = ready_read(read, source)
+    ready = ready_from_read(read, source)
     capture = ready.capture
     return ReadCharacter(actor_character(capture.name, ready.actor.morphology), capture.guesses, capture.repairs)

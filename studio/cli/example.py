@@ -1,4 +1,4 @@
-"""Example for machines without a display: the bundled example is adapted and drawn."""
+"""Example for machines without a display: a bundled capture is adapted and drawn."""
 
 from pathlib import Path
 
@@ -7,18 +7,18 @@ from studio.core.errors import StudioError
 from studio.resources_folder import example_captures_folder
 from studio.startup.process import check_libraries
 
-EXAMPLE = "front_kick.bvh"
-OUT = Path("morpho-studio-example")
+EXAMPLE_FILE = "front_kick.bvh"
+EXAMPLE_FOLDER = Path("morpho-studio-example")
 
 
 def run_example() -> int:
     """Adapt a bundled capture to every bundled character, draw it, and name the files."""
     print("There is no display, so no window opens. The bundled example is adapted instead.", flush=True)
-    capture = example_captures_folder() / EXAMPLE
+    capture = example_captures_folder() / EXAMPLE_FILE
     if not capture.exists():
         raise StudioError("No example capture is bundled. Make them with `make examples`.")
-    picture = OUT / f"{capture.stem}.png"
-    code = main(["adapt", str(capture), "--out", str(OUT), "--overwrite"])
+    picture = EXAMPLE_FOLDER / f"{capture.stem}.png"
+    code = main(["adapt", str(capture), "--out", str(EXAMPLE_FOLDER), "--overwrite"])
     try:
         check_libraries()
     except StudioError as error:

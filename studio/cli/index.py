@@ -5,7 +5,7 @@ from argparse import Namespace
 from studio.cli.printing import print_json, print_table
 from studio.core.names import counted_noun
 from studio.library.catalogue import Catalogue
-from studio.library.indexing import index_folders, whole_library
+from studio.library.indexing import index_folders, load_library
 from studio.library.library import LibraryClip
 from studio.resources_folder import bundled_strikes_folder
 from studio.startup.progress import progress_line
@@ -16,7 +16,7 @@ def run(arguments: Namespace) -> int:
     with Catalogue(arguments.library) as catalogue:
         folders = [*arguments.folders, *([bundled_strikes_folder()] if arguments.bundled else [])]
         report = index_folders(catalogue, folders, progress_line())
-        library = whole_library(catalogue, progress_line())
+        library = load_library(catalogue, progress_line())
         problems = {"catalogue": catalogue.remarks} if catalogue.remarks else {}
     problems |= report.problems
     if arguments.json:

@@ -1,4 +1,4 @@
-"""``info``: print the content of files, the guesses made, and the error of the round trip."""
+"""``info``: print the content of files, the guesses made, and the round-trip error."""
 
 import sys
 from argparse import Namespace
@@ -49,7 +49,7 @@ _NOTHING: JsonObject = {
 def run(arguments: Namespace) -> int:
     """Describe every file; returns 1 if any cannot be read."""
     options = import_options(arguments)
-    records = [described(path, options) for path in arguments.files]
+    records = [file_record(path, options) for path in arguments.files]
     failed = [record for record in records if not record["ok"]]
     if arguments.json:
         print_json(records)
@@ -60,8 +60,10 @@ def run(arguments: Namespace) -> int:
     return 1 if failed else 0
 
 
-def described(path: Path, options: ImportOptions) -> JsonObject:
-    """Record of one file with the keys of ``_NOTHING``; for a file that fails, the reason is under ``error``."""
+def file_record(path: Path, options: ImportOptions) -> JsonObject:
+    """Record of one file with the keys of ``_NOTHING``; for a file that cannot be read, the reason is under
+    ``error``.
+    """
     record = {"file": str(path), **_NOTHING}
     try:
         return record | (_project if path.suffix.lower() == ".studio" else _foreign)(path, options)
@@ -157,7 +159,7 @@ def _project(path: Path, _options: ImportOptions) -> JsonObject:
 
 
 def lines_of(record: JsonObject) -> list[str]:
-    """Lines of text about one file for a person to read."""
+    """Lines of text about one file, for people."""
     facts = [("error", record["error"])] if record["error"] else [("kind", record["kind"])]
     facts += [(_label(key), _words(record, key)) for key in _SHOWN if record.get(key) not in (None, {}, [])]
     facts += [(key[:-1], sentence) for key in ("assumptions", "repairs", "remarks") for sentence in record[key]]

@@ -1,22 +1,24 @@
-"""Motion library that a verb works with."""
+"""Choice of the motion library that a verb works with."""
 
 import sys
 from argparse import Namespace
 
 from studio.core.errors import StudioError
 from studio.library.catalogue import Catalogue
-from studio.library.indexing import index_folders, whole_library
+from studio.library.indexing import index_folders, load_library
 from studio.library.library import Library
 from studio.resources_folder import bundled_strikes_folder
 from studio.startup.progress import progress_line
 
 
 def library_with_clips(arguments: Namespace) -> Library:
-    """Library of ``--library``, with the bundled strikes for ``--bundled``. Raises StudioError if it is empty."""
+    """Library of ``--library``, with the bundled strikes if ``--bundled`` is given. Raises StudioError if
+    it is empty.
+    """
     with Catalogue(arguments.library) as catalogue:
         if arguments.bundled:
             index_folders(catalogue, [bundled_strikes_folder()], progress_line())
-        library = whole_library(catalogue, progress_line())
+        library = load_library(catalogue, progress_line())
         if catalogue.remarks:
             print(catalogue.remarks, file=sys.stderr)
     if not library.clips:

@@ -1,4 +1,4 @@
-"""``live``: play a fighter that keeps striking distance of a tracked head and strikes, or a whole stage."""
+"""``live``: play a fighter that keeps striking distance to a tracked head and strikes, or a whole stage."""
 
 import select
 import sys
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from studio.cli.library_options import library_with_clips
 from studio.cli.live_stage import run_live_stage
-from studio.cli.printing import STOPPED
+from studio.cli.printing import INTERRUPTED_EXIT_CODE
 from studio.core.errors import StudioError
 from studio.core.normalized.pieces import MotionPiece
 from studio.io.importing import GUESS_ALL
@@ -30,8 +30,8 @@ FloatArray = NDArray[np.float64]
 
 GUARD_EXAMPLE, GUARD_SECONDS = "front_kick.bvh", 1.3
 """Example that begins on guard, and the seconds for which its feet stay in place."""
-CIRCLE, SWAY = 0.5, 0.35
-"""Amplitude (m) and angular frequency (rad/s) of the head's motion when no head is tracked."""
+SWAY_METRES, SWAY_RATE = 0.5, 0.35
+"""Amplitude (metres) and angular frequency (rad/s) of the head's motion when no head is tracked."""
 
 
 def run(arguments: Namespace) -> int:
@@ -66,17 +66,17 @@ def run(arguments: Namespace) -> int:
             f"{counts.accepted} packets received, {counts.malformed} invalid,"
             f" {counts.unknown_senders} from unknown senders"
         )
-    return STOPPED if report.stopped else 0
+    return INTERRUPTED_EXIT_CODE if report.stopped else 0
 
 
 def rehearse(fighter: Fighter) -> None:
     """Let a second fighter strike for a moment, so that everything is compiled and loaded before the fight."""
     double = Fighter(fighter.library, fighter.body, fighter.guard)
-    fight(double, lambda now: swaying(now, double.body.stature), orders_every(0.1, [ANY_STRIKE]), 1.0)
+    fight(double, lambda now: swaying_head(now, double.body.stature), orders_every(0.1, [ANY_STRIKE]), 1.0)
 
 
 def guard_of(path: Path | None) -> MotionPiece:
-    """Motion that is played between blows: the first ``GUARD_SECONDS`` of a capture."""
+    """Piece of motion that plays between blows: the first ``GUARD_SECONDS`` of a capture."""
     ready = ready_capture(path or example_captures_folder() / GUARD_EXAMPLE, GUESS_ALL)
     first = ready.capture.first_frame
     last = min(first + round(GUARD_SECONDS * ready.motion.frame_rate), ready.motion.frame_count - 1)
@@ -84,11 +84,11 @@ def guard_of(path: Path | None) -> MotionPiece:
 
 
 def target_of(arguments: Namespace, inbox: Inbox, stature: float, stack: ExitStack) -> Callable[[float], FloatArray]:
-    """Function of seconds that returns the target's position (3,): tracked, replayed, or of a head that sways by
-    itself.
+    """Function that returns the target's position (3,) at a time in seconds: tracked, replayed, or of a
+    swaying head.
     """
     if not arguments.head:
-        return lambda now: swaying(now, stature)
+        return lambda now: swaying_head(now, stature)
     recording = read_recording(arguments.replay) if arguments.replay else None
     if recording is not None and recording.problem:
         print(recording.problem, file=sys.stderr)
@@ -97,7 +97,7 @@ def target_of(arguments: Namespace, inbox: Inbox, stature: float, stack: ExitSta
     if packets is None:
         listener = UdpInput(inbox, arguments.port, arguments.listen, arguments.sender)
         stack.callback(listener.close)
-    last = [swaying(0.0, stature)]
+    last = [swaying_head(0.0, stature)]
 
     def target_at(now: float) -> FloatArray:
         while packets is not None and waiting[0] is not None and waiting[0][0] <= now:
@@ -110,14 +110,14 @@ def target_of(arguments: Namespace, inbox: Inbox, stature: float, stack: ExitSta
     return target_at
 
 
-def swaying(now: float, stature: float) -> FloatArray:
-    """Position (3,) of a head that sways, at the height of the fighter's own chest."""
-    x, y = 1.0 + CIRCLE * np.sin(SWAY * now), CIRCLE * np.sin(0.7 * SWAY * now)
+def swaying_head(now: float, stature: float) -> FloatArray:
+    """Position (3,) at second ``now`` of a swaying head at the height of the fighter's own chest."""
+    x, y = 1.0 + SWAY_METRES * np.sin(SWAY_RATE * now), SWAY_METRES * np.sin(0.7 * SWAY_RATE * now)
     return np.array([x, y, stature * (0.78 + 0.04 * np.sin(now))])
 
 
 def typed_order(_now: float = 0.0) -> Order | None:
-    """Order typed since the last frame: ``left punch``, ``right kick``; any other line is any strike; None without a
+    """Order typed since the last frame: ``left punch``, ``right kick``; any other line is any strike. None without a
     line.
     """
     if not sys.stdin.isatty() or not select.select([sys.stdin], [], [], 0.0)[0]:

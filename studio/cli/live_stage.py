@@ -8,25 +8,27 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from studio.cli.printing import STOPPED, print_json, print_table
+from studio.cli.printing import INTERRUPTED_EXIT_CODE, print_json, print_table
 from studio.core.constraints.base import Constraint
-from studio.core.curves.activation import FULLY_ACTIVE
+from studio.core.curves.activation import LEAST_FULL_ACTIVATION
 from studio.core.errors import StudioError
 from studio.core.names import counted_noun
 from studio.core.stage.project import Project
 from studio.io.json_text import JsonObject
-from studio.jobs.adapt_report import REACHED_DEG, REACHED_MM, residual_record
+from studio.jobs.adapt_report import MET_DEGREES, MET_MILLIMETRES, residual_record
 from studio.jobs.bundled_scenes import open_project
 from studio.jobs.performances import prepared_capture
 from studio.live.playing_stage import LiveStage
 from studio.startup.kernel_warm_up import compile_first
 
-LIVE_STAGE_STEP = 1.0 / 60.0
+LIVE_STAGE_STEP_SECONDS = 1.0 / 60.0
 
 
 @dataclass
 class ConstraintTally:
-    """Number of steps in which a constraint was fully active, number in which it was met, and its worst residual."""
+    """Counts of a constraint: steps in which it was fully active (``asked``) and met (``held``), and its worst
+    residual.
+    """
 
     constraint: Constraint
     asked: int = 0
@@ -34,8 +36,8 @@ class ConstraintTally:
     worst: float = 0.0
 
     def add(self, miss: float) -> None:
-        """Count one step in which it was fully active, with its residual ``miss`` (metres or radians)."""
-        factor, met = (math.degrees(1.0), REACHED_DEG) if self.constraint.unit == "rad" else (1000.0, REACHED_MM)
+        """Count one step in which the constraint was fully active, with its residual ``miss`` (metres or radians)."""
+        factor, met = (math.degrees(1.0), MET_DEGREES) if self.constraint.unit == "rad" else (1000.0, MET_MILLIMETRES)
         self.asked, self.held = self.asked + 1, self.held + (factor * miss <= met)
         self.worst = max(self.worst, miss)
 
@@ -49,7 +51,7 @@ class ConstraintTally:
 
 @dataclass
 class PerformerTally:
-    """Results of one performer: steps, takeovers, steps in each state, and constraints."""
+    """Results of one performer: steps, takeovers, steps in each state, and counts of its constraints."""
 
     name: str
     steps: int = 0
@@ -76,20 +78,20 @@ def run_live_stage(arguments: Namespace) -> int:
     project = open_project(arguments.stage)
     presses = sorted(arguments.press)
     compile_first()
-    report = played(project, arguments.seconds, presses)
+    report = live_stage_report(project, arguments.seconds, presses)
     if arguments.json:
         print_json({"source": str(arguments.stage), **report})
     else:
         print_report(report)
     if report["stopped"]:
-        return STOPPED
+        return INTERRUPTED_EXIT_CODE
     return 0 if report["ok"] else 1
 
 
-def played(project: Project, seconds: float, presses: Iterable[tuple[float, str]] = ()) -> JsonObject:
+def live_stage_report(project: Project, seconds: float, presses: Iterable[tuple[float, str]] = ()) -> JsonObject:
     """Report of a stage played live for ``seconds`` of its own time, as fast as it can be solved.
 
-    Ctrl-C ends it early, with the report of the steps until then.
+    ``presses`` are pressed keys with their times. Ctrl-C ends it early, with the report of the steps until then.
     """
     stage, waiting = LiveStage(project, prepared_capture), list(presses)
     parts = {key: PerformerTally(each.name) for key, each in project.performers.items() if each.visible and each.clips}
@@ -100,11 +102,11 @@ def played(project: Project, seconds: float, presses: Iterable[tuple[float, str]
     spent: list[float] = []
     stopped = False
     try:
-        for _ in range(max(round(seconds / LIVE_STAGE_STEP), 1)):
+        for _ in range(max(round(seconds / LIVE_STAGE_STEP_SECONDS), 1)):
             while waiting and waiting[0][0] <= stage.seconds:
                 stage.press(waiting.pop(0)[1])
             begun = time.thread_time()
-            stage.step(LIVE_STAGE_STEP)
+            stage.step(LIVE_STAGE_STEP_SECONDS)
             spent.append(time.thread_time() - begun)
             _note(stage, parts)
     except KeyboardInterrupt:
@@ -134,7 +136,7 @@ def _note(stage: LiveStage, parts: dict[str, PerformerTally]) -> None:
             state = stage.running[key].state
             part.states[state] = part.states.get(state, 0) + 1
         for (name, constraint, share), miss in zip(stage.active_constraints(key), result.residuals[:, 0], strict=True):
-            if name and share >= FULLY_ACTIVE and np.isfinite(miss):
+            if name and share >= LEAST_FULL_ACTIVATION and np.isfinite(miss):
                 part.held.setdefault(name, ConstraintTally(constraint)).add(float(miss))
 
 

@@ -12,7 +12,7 @@ from io import TextIOWrapper
 from typing import TYPE_CHECKING
 
 from studio import __version__
-from studio.cli.printing import STOPPED
+from studio.cli.printing import INTERRUPTED_EXIT_CODE
 from studio.core.errors import Stopped, StudioError
 from studio.io import plug_ins
 from studio.io.registry import known_formats
@@ -34,19 +34,21 @@ VERBS = {
     "bench": "benchmark the solver on this machine",
     "script": "run a Python script that uses studio.api",
 }
-WORK_FAILED, NOBODY_READS = 1, 141
-"""Exit codes: the work failed; the reader of a pipe has closed it."""
-NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-"""Errors of a full disk: writers of files report them themselves, so they are of the standard output."""
-LONGEST_SHOWN = 300
-"""Characters of a path that a message shows."""
+WORK_FAILED, PIPE_CLOSED = 1, 141
+"""Exit codes: the work failed; the reader of the output pipe has closed it."""
+DISK_FULL_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""Error numbers of a full disk. Writers of files report it themselves, so these errors come from the
+standard output.
+"""
+MOST_PATH_CHARACTERS = 300
+"""Maximum number of characters of a path in a message."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one verb, or open the window if none is named.
 
     Returns the exit code: 0 done, 1 the work failed, 130 stopped with Ctrl-C, 141 closed output pipe (``info FILE |
-    head``); wrong usage ends the process with 2, as argparse does.
+    head``). Wrong usage ends the process with 2, as in argparse.
     """
     given = sys.argv[1:] if arguments is None else arguments
     if isinstance(sys.stdout, TextIOWrapper):  # names of files may have bytes that are no UTF-8
@@ -56,15 +58,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return _run(given)
         except KeyboardInterrupt:
             report(Stopped("Stopped. No file was left incomplete."), "--json" in given)
-            return STOPPED
+            return INTERRUPTED_EXIT_CODE
         finally:
             if sys.stdout is not None:
                 sys.stdout.flush()
     except BrokenPipeError:
         _discard_output()
-        return NOBODY_READS
+        return PIPE_CLOSED
     except OSError as error:
-        if error.errno not in NO_ROOM:
+        if error.errno not in DISK_FULL_ERRORS:
             raise
         _discard_output()
         report(
@@ -74,7 +76,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _discard_output() -> None:
-    """Let what is left of the output go nowhere as Python ends."""
+    """Discard the buffered output that Python would write at its end."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
@@ -83,7 +85,7 @@ def _run(given: Sequence[str]) -> int:
     plug_ins.load_registered()
     added = {offer.name: offer for offer in plug_ins.plug_in_entries(plug_ins.VERBS_GROUP) if offer.name not in VERBS}
     verb = next((word for word in given if word in VERBS or word in added), None)
-    files = [word for word in given if word.lower().endswith(opened())] if verb is None else []
+    files = [word for word in given if word.lower().endswith(window_suffixes())] if verb is None else []
     try:
         plug_in = added[verb].load(plug_ins.verb_of) if verb in added else None
         parser = make_parser(verb, {name: plug_in if name == verb else offer for name, offer in added.items()})
@@ -105,12 +107,12 @@ def _run(given: Sequence[str]) -> int:
         return run_example()
     except StudioError as error:
         report(error, wants_json)
-        return STOPPED if isinstance(error, Stopped) else WORK_FAILED
+        return INTERRUPTED_EXIT_CODE if isinstance(error, Stopped) else WORK_FAILED
     except OSError as error:
         if not isinstance(error.filename, str | bytes):
             raise
         name = os.fsdecode(error.filename)
-        shown = name if len(name) <= LONGEST_SHOWN else f"{name[:LONGEST_SHOWN]}…"
+        shown = name if len(name) <= MOST_PATH_CHARACTERS else f"{name[:MOST_PATH_CHARACTERS]}…"
         report(StudioError(f"'{shown}' cannot be used: {error.strerror}. Choose another name or folder."), wants_json)
         return WORK_FAILED
 
@@ -118,7 +120,7 @@ def _run(given: Sequence[str]) -> int:
 def make_parser(verb: str | None, added: Mapping[str, plug_ins.Verb | plug_ins.PlugInEntry | None]) -> ArgumentParser:
     """Parser with the names of all verbs, and the options of ``verb``.
 
-    ``added`` are the verbs of installed packages; only the one asked for is loaded.
+    ``added`` are the verbs of installed packages; only the one that is named is loaded.
     """
     parser = ArgumentParser(
         prog="morpho-studio",
@@ -142,7 +144,7 @@ def make_parser(verb: str | None, added: Mapping[str, plug_ins.Verb | plug_ins.P
     return parser
 
 
-def opened() -> tuple[str, ...]:
+def window_suffixes() -> tuple[str, ...]:
     """Suffixes of the files that the window opens when they are named without a verb."""
     return (".studio", *known_formats().suffixes("capture_reader", "character_reader"))
 
@@ -156,9 +158,9 @@ def report(error: StudioError, as_json: bool) -> None:
 
 
 def open_window(files: Sequence[str] | None = None) -> int:
-    """Start the window with ``files``, by default those of the process's own command line.
+    """Start the window with ``files``, by default those of the process's own command line, and return the exit code.
 
-    It is found by its entry point, so that this module imports no window toolkit.
+    The window is found by its entry point, so that this module imports no window toolkit.
     """
     prepare_process()
     check_libraries(window=True)

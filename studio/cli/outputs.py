@@ -7,7 +7,7 @@ from studio.core.errors import StudioError
 
 
 def refuse_replacing(paths: Iterable[Path], source: Path, overwrite: bool) -> None:
-    """Raise StudioError if a file to be written exists already, or is the one that is read; called before any work."""
+    """Raise StudioError if a file to write exists already, or is the source; to be called before any work."""
     if overwrite:
         return
     for path in paths:

@@ -3,12 +3,12 @@
 import json
 from collections.abc import Sequence
 
-STOPPED = 130
-"""Exit code of a verb that Ctrl-C ends, as of any tool that a signal ends."""
+INTERRUPTED_EXIT_CODE = 130
+"""Exit code of a verb that Ctrl-C ends, as for any tool that a signal ends."""
 
 
 def print_json(value: object) -> None:
-    """Print the one JSON document on standard output, in ASCII, so that any terminal or pipe accepts it."""
+    """Print one JSON document on standard output, in ASCII, so that any terminal or pipe accepts it."""
     print(json.dumps(value, indent=1, allow_nan=False))
 
 
@@ -20,7 +20,7 @@ QUALITY_TITLES = {
     "acceleration_ratio": "acceleration ratio",
     "speed_ratio": "speed ratio",
 }
-"""Titles in tables of the quality measures of a motion, by their names in reports."""
+"""Titles of the quality measures in tables, by their names in reports."""
 
 
 def print_table(titles: Sequence[str], rows: Sequence[Sequence[str]]) -> None:

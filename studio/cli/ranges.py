@@ -1,12 +1,14 @@
-"""Numbers of the command line: each is finite and within the range of its meaning."""
+"""Parsers for numbers of the command line: each number is finite and within a range."""
 
 from argparse import ArgumentTypeError
 from collections.abc import Callable
 from math import isfinite
 
 
-def number(least: float, most: float, meaning: str) -> Callable[[str], float]:
-    """Parser of a number from ``least`` to ``most``; ``meaning`` names it in the ArgumentTypeError that it raises."""
+def number_parser(least: float, most: float, meaning: str) -> Callable[[str], float]:
+    """Parser of a number from ``least`` to ``most``; ``meaning`` names it in the ArgumentTypeError that the parser
+    raises.
+    """
 
     def parsed(text: str) -> float:
         return _within(text, _value(text, float), least, most, meaning)
@@ -14,8 +16,8 @@ def number(least: float, most: float, meaning: str) -> Callable[[str], float]:
     return parsed
 
 
-def whole(least: int, most: int, meaning: str) -> Callable[[str], int]:
-    """Parser of a whole number from ``least`` to ``most``; ``meaning`` names it in the ArgumentTypeError that it
+def whole_parser(least: int, most: int, meaning: str) -> Callable[[str], int]:
+    """Parser of an integer from ``least`` to ``most``; ``meaning`` names it in the ArgumentTypeError that the parser
     raises.
     """
 
@@ -25,8 +27,8 @@ def whole(least: int, most: int, meaning: str) -> Callable[[str], int]:
     return parsed
 
 
-def size(least: int, most: int) -> Callable[[str], tuple[int, int]]:
-    """Parser of width and height in pixels, as ``1280x720``. It raises ArgumentTypeError."""
+def size_parser(least: int, most: int) -> Callable[[str], tuple[int, int]]:
+    """Parser of width and height in pixels, written ``1280x720``; it raises ArgumentTypeError."""
 
     def parsed(text: str) -> tuple[int, int]:
         sides = [_value(side, int) for side in text.split("x")]
@@ -47,7 +49,7 @@ def key_press(text: str) -> tuple[float, str]:
 
 
 LONGEST_SECONDS = 86_400.0
-"""Maximum seconds of a motion or a session."""
+"""Maximum length of a motion or a session in seconds."""
 
 
 def _value(text: str, kind: Callable[[str], float]) -> float:

@@ -15,7 +15,7 @@ from studio.core.errors import StudioError
 from studio.core.names import counted_noun
 from studio.core.stage.project import Project
 from studio.core.stage.saved_camera import CameraPlacement
-from studio.core.stage.staging import staged
+from studio.core.stage.staging import project_of_capture
 from studio.io.media.film import write_moving
 from studio.io.png import write_png
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, chosen_characters, make_folder, ready_capture
@@ -29,7 +29,7 @@ Pixels = NDArray[np.uint8]
 
 
 def run(arguments: Namespace) -> int:
-    """Stage, adapt and draw."""
+    """Stage, adapt and draw, and return the exit code."""
     suffix = arguments.out.suffix.lower()
     if suffix not in (".png", ".mp4", ""):
         sentence = "has no image format. Use .png or .mp4, or a new folder for an image sequence."
@@ -75,7 +75,7 @@ def staged_project(arguments: Namespace) -> Project:
         return open_project(arguments.source)
     characters = chosen_characters(arguments.character)
     ready = ready_capture(arguments.source, import_options(arguments))
-    return staged(ready.capture, ready.contacts, characters, ADAPTED_MOTION_ID)
+    return project_of_capture(ready.capture, ready.contacts, characters, ADAPTED_MOTION_ID)
 
 
 def placement_of(project: Project, arguments: Namespace) -> CameraPlacement | None:
@@ -101,7 +101,7 @@ def renderer(kind: str) -> Callable[..., Any]:
 
 
 def with_progress(frames: Iterator[Pixels], count: int, progress: Progress, name: str) -> Iterator[Pixels]:
-    """The same frames; reports the progress after each."""
+    """The ``frames`` unchanged; progress is reported after each."""
     for done, frame in enumerate(frames, 1):
         yield frame
         progress(done / count, name)

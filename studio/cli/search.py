@@ -1,4 +1,4 @@
-"""``search``: find the clips of the motion library that hit a place best, for a character in a pose, with reasons."""
+"""``search``: find the clips of the motion library that hit a target best, for a character in a pose, with reasons."""
 
 from argparse import Namespace
 from dataclasses import replace
@@ -10,12 +10,12 @@ from studio.cli.printing import print_json, print_table
 from studio.core.errors import StudioError
 from studio.io.importing import GUESS_ALL
 from studio.jobs.adaptation import chosen_characters, ready_capture
-from studio.library.searching import Result, StrikeQuery, place_before, search_strikes
+from studio.library.searching import Result, StrikeQuery, position_ahead_of, search_strikes
 
 
 def run(arguments: Namespace) -> int:
     """Search and print the results."""
-    found = search_strikes(library_with_clips(arguments), asked_by(arguments), arguments.count)
+    found = search_strikes(library_with_clips(arguments), query_of_arguments(arguments), arguments.count)
     if arguments.json:
         print_json({"ok": True, "results": [result_record(each) for each in found]})
         return 0
@@ -24,7 +24,7 @@ def run(arguments: Namespace) -> int:
     return 0
 
 
-def asked_by(arguments: Namespace) -> StrikeQuery:
+def query_of_arguments(arguments: Namespace) -> StrikeQuery:
     """Query of the library from the arguments. Raises StudioError for a frame beyond the end."""
     ready = ready_capture(arguments.capture, GUESS_ALL)
     motion, frame = ready.motion, arguments.frame
@@ -38,7 +38,7 @@ def asked_by(arguments: Namespace) -> StrikeQuery:
     return StrikeQuery(
         pose,
         body,
-        place_before(pose, body, arguments.target),
+        position_ahead_of(pose, body, arguments.target),
         limbs=[LIMB_WORDS[name] for name in arguments.limb],
         kinds=[STRIKE_KINDS[name] for name in arguments.kind],
         tags=arguments.tag,

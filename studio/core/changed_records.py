@@ -14,7 +14,8 @@ RecordT = TypeVar("RecordT", bound=DataclassRecord)
 
 
 def with_fields(record: RecordT, **values: object) -> RecordT:
-    """``dataclasses.replace`` for fields chosen by name, which no type checker can follow.
+    """Copy of a dataclass instance with other values of some fields, named by a dictionary that no type checker can
+    follow.
 
     Raises TypeError for an unknown field, and the errors of the record's own validation.
     """

@@ -1,4 +1,4 @@
-"""Arrays that are stored in 32 bits and read in 64: half the memory for poses that are only shown, or solved again.
+"""Arrays stored with 32 bits and read with 64: half the memory for poses that are only shown, or solved again.
 
 The resolution is a ten-thousandth of a millimetre in a metre, and some millionths of a degree.
 """
@@ -13,23 +13,23 @@ FloatArray = NDArray[np.float64]
 
 
 class StoredRows(Protocol):
-    """Rows in 32 bits that are kept elsewhere than in memory."""
+    """Rows of 32-bit numbers that are stored outside memory, for example on disk."""
 
     @property
     def shape(self) -> tuple[int, ...]: ...
 
     def part(self, rows: slice) -> "StoredRows":
-        """Slice of the rows, not read yet."""
+        """Slice of the rows; nothing is read yet."""
 
     def read(self) -> NDArray[np.float32]:
         """All rows in one array."""
 
 
 class CompactArray:
-    """Numbers of any shape; reading an index returns a new array of 64 bits.
+    """Array stored with 32 bits; an index returns a new array with 64 bits.
 
-    A copy shares all rows with the original except those that are written to it, so that an edit of some seconds of a
-    take needs the memory of these seconds.
+    A copy shares with the original all rows but those that are written to it, so an edit of some seconds of a take
+    needs only the memory of these seconds.
     """
 
     def __init__(
@@ -37,8 +37,10 @@ class CompactArray:
         numbers: FloatArray | NDArray[np.float32] | StoredRows,
         written: Sequence[tuple[int, NDArray[np.float32]]] = (),
     ) -> None:
-        """32-bit arrays are used without a copy, and never written to; ``written`` are rows that replace theirs, by the
-        index of their first row; later ones replace earlier ones.
+        """Use ``numbers`` without a copy if they have 32 bits; they are never written to.
+
+        ``written`` are rows that replace rows of ``numbers``, each with the index of the first one; later ones replace
+        earlier ones.
         """
         self._kept: NDArray[np.float32] | StoredRows = (
             np.asarray(numbers, np.float32) if isinstance(numbers, np.ndarray) else numbers
@@ -84,11 +86,11 @@ class CompactArray:
         return self._kept.shape
 
     def copy(self) -> "CompactArray":
-        """Copy that may be changed."""
+        """Copy that may be written to."""
         return CompactArray(self._kept, self._written)
 
     def part(self, rows: slice) -> "CompactArray":
-        """Slice of the rows, without a copy."""
+        """Slice of the rows, which shares their memory."""
         first, last, _ = rows.indices(len(self))
         written = [
             (max(begin - first, 0), numbers[max(first - begin, 0) : max(last - begin, 0)])
@@ -118,14 +120,14 @@ def _is_basic(index: Any) -> bool:
 
 
 PoseArray = FloatArray | CompactArray
-"""Numbers that ``[...]`` reads as 64 bits, ``[:]`` all of them."""
+"""Array of 64 bits, or stored with 32 bits and read with 64 by an index; ``[:]`` reads all of it."""
 
 
 def part_of(numbers: PoseArray, rows: slice) -> PoseArray:
-    """Slice of the rows of an array, without a copy."""
+    """Slice of the rows of an array, which shares their memory."""
     return numbers.part(rows) if isinstance(numbers, CompactArray) else numbers[rows]
 
 
-def single(numbers: PoseArray) -> CompactArray:
-    """Array stored in 32 bits."""
+def compact_array(numbers: PoseArray) -> CompactArray:
+    """Array stored with 32 bits."""
     return numbers if isinstance(numbers, CompactArray) else CompactArray(numbers)

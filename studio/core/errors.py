@@ -1,7 +1,7 @@
 """Errors whose message is meant for the user."""
 
 INTERNAL_ERROR = "internal error"
-"""Words in every message about a fault of the program, by which tests know one."""
+"""Words in every message about a fault of the program; tests recognise such messages by them."""
 
 
 class StudioError(Exception):
@@ -13,4 +13,4 @@ class StudioError(Exception):
 
 
 class Stopped(StudioError):  # noqa: N818 - it is no error to stop
-    """Cancellation by the user; the message says what is left of the work."""
+    """Cancellation by the user; the message says which part of the work is kept."""

@@ -1,4 +1,4 @@
-"""Read-only arrays, as frozen values hold them."""
+"""Read-only arrays for the fields of frozen records."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 
 def frozen_array(array: Any) -> NDArray[np.float64]:
-    """``array`` as a read-only array of floats: itself if it is one already, else a copy."""
+    """Read-only array of floats: ``array`` itself if it is one already, else a copy."""
     kept = np.asarray(array, dtype=np.float64)
     if kept.flags.writeable or not kept.flags.owndata:
         kept = np.array(kept)

@@ -5,7 +5,9 @@ from collections.abc import Collection
 
 
 def free_name(name: str, taken: Collection[str]) -> str:
-    """``name`` itself or, if it is taken, with the next free number: ``Right wrist 2``, ``Right wrist 3``."""
+    """Name that is not in ``taken``: ``name`` or, if it is taken, with a number: ``Right wrist 2``, ``Right
+    wrist 3``.
+    """
     if name not in taken:
         return name
     base = re.sub(r" \d+$", "", name)
@@ -16,20 +18,22 @@ def free_name(name: str, taken: Collection[str]) -> str:
 
 
 def safe_name(name: str) -> str:
-    """File name that is valid on every system."""
+    """Name made of ``name`` that is valid for a file on every system."""
     return re.sub(r'[\\/:*?"<>|]', "_", name)
 
 
 def readable_name(text: str) -> str:
-    """``text`` with the replacement character in place of bytes of file names that are not UTF-8."""
+    """``text`` with the replacement character for bytes of file names that are not UTF-8."""
     return text.encode(errors="surrogateescape").decode(errors="replace")
 
 
 def tags_in(text: str) -> tuple[str, ...]:
-    """Tags in a text, separated by commas, without repetitions."""
+    """Tags in ``text``, where they are separated by commas, without duplicates."""
     return tuple(dict.fromkeys(word.strip() for word in text.split(",") if word.strip()))
 
 
 def counted_noun(number: int, thing: str, things: str = "") -> str:
-    """Number and noun, such as ``1 character``, ``3 characters``; ``things`` is the plural, by default with an s."""
+    """Number and noun, such as ``1 character`` or ``3 characters``; ``things`` is the plural, ``thing`` with an s by
+    default.
+    """
     return f"{number} {thing if number == 1 else things or f'{thing}s'}"

@@ -8,9 +8,7 @@ from numpy.typing import ArrayLike
 
 @dataclass(frozen=True)
 class Range:
-    """Range of a physical quantity named ``what``: its absolute value is between ``least`` and
-    ``most``, in ``unit``.
-    """
+    """Possible range of a physical quantity named ``what``: absolute values from ``least`` to ``most``, in ``unit``."""
 
     what: str
     most: float
@@ -18,9 +16,9 @@ class Range:
     least: float = 0.0
 
     def check(self, values: ArrayLike, what: str = "") -> None:
-        """Raise ValueError if any finite one of ``values`` is outside; the caller checks the others.
+        """Raise ValueError if any finite one of ``values`` is outside the range; values that are not finite pass.
 
-        ``what`` is a more exact name, if there is one.
+        ``what`` names the quantity more exactly in the message.
         """
         what = what or self.what
         amounts = np.abs(np.asarray(values, dtype=np.float64))
@@ -34,14 +32,14 @@ class Range:
 
 
 BONE_RANGE = Range("A bone", 1e3)
-TRAVEL = Range("A way of the root", 1e5)
+TRAVEL_RANGE = Range("A way of the root", 1e5)
 MESH_RANGE = Range("A mesh with a place", 1e5)
 PLACE_RANGE = Range("A place", 1e5)
-SKIN = Range("A place on a skin", 1e3)
+SKIN_RANGE = Range("A place on a skin", 1e3)
 TIME_RANGE = Range("A time", 1e9, "s")  # also "always", as files write it
-ROUND = Range("A round", 1e6, "s", least=1e-3)
-FRAME_RATE = Range("A frame rate", 1e5, "fps", least=0.01)
+CYCLE_RANGE = Range("A round", 1e6, "s", least=1e-3)
+FRAME_RATE_RANGE = Range("A frame rate", 1e5, "fps", least=0.01)
 TURN_RANGE = Range("A turn", 1e4, "rad")
-GROUND = Range("A measure of the ground", 1e4)
-UNIT = Range("A unit", 1e3, least=1e-6)
-WEIGHT = Range("A weight among equals", 1e6, "times the usual")
+GROUND_RANGE = Range("A measure of the ground", 1e4)
+UNIT_RANGE = Range("A unit", 1e3, least=1e-6)
+WEIGHT_RANGE = Range("A weight among equals", 1e6, "times the usual")

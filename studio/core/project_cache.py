@@ -13,7 +13,7 @@ _caches: "list[_lru_cache_wrapper[Any]]" = []
 
 
 def project_cache(maxsize: int) -> "Callable[[Callable[..., Result]], _lru_cache_wrapper[Result]]":
-    """Decorator: ``lru_cache`` of ``maxsize`` results that ``forget_project`` drops."""
+    """Decorator that caches the last ``maxsize`` results of a function until ``forget_project`` is called."""
 
     def cached(function: Callable[..., Result]) -> "_lru_cache_wrapper[Result]":
         cache = lru_cache(maxsize=maxsize)(function)
@@ -24,6 +24,6 @@ def project_cache(maxsize: int) -> "Callable[[Callable[..., Result]], _lru_cache
 
 
 def forget_project() -> None:
-    """Drop the results of all caches; they are recomputed when needed."""
+    """Empty all caches made by ``project_cache``; results are recomputed when needed."""
     for cache in _caches:
         cache.cache_clear()

@@ -7,16 +7,18 @@ FloatArray = NDArray[np.float64]
 
 IDENTITY_QUATERNION: FloatArray = np.array([0.0, 0.0, 0.0, 1.0])
 IDENTITY_QUATERNION.setflags(write=False)
-UNIT_WITHIN = 4.0 * float(np.finfo(np.float64).eps)
-"""Difference from 1 of the length of a vector that has been normalised, by rounding alone."""
+UNIT_LENGTH_TOLERANCE = 4.0 * float(np.finfo(np.float64).eps)
+"""Largest difference from 1, by rounding alone, of the length of a normalised vector."""
 _SIX_DIGITS = 1e-6
 _BLOCK = 1 << 14
-"""Rotations turned at a time: what stays in the processor's cache."""
+"""Number of rotations processed at a time, so that the data stay in the processor's cache."""
 
 
 def from_euler(order: str, angles: FloatArray) -> FloatArray:
-    """Quaternions (..., 4) of intrinsic rotations in the ``order`` of axes (``"ZXY"``: Z, then the rotated X, Y);
-    angles (..., n), radians. One to three axes; as a matrix the result is R_Z R_X R_Y.
+    """Quaternions (..., 4) of intrinsic rotations by ``angles`` (..., n), radians, about one to three axes in
+    ``order``.
+
+    The order ``"ZXY"`` rotates about Z, then about the rotated X and Y: as a matrix R_Z R_X R_Y.
     """
     angles = np.asarray(angles, dtype=np.float64)
     flat, turned = angles.reshape(-1, len(order)), np.empty((angles.size // len(order), 4))
@@ -33,7 +35,7 @@ def from_rotation_vector(vectors: FloatArray) -> FloatArray:
 
 
 def to_rotation_vector(quaternions: FloatArray) -> FloatArray:
-    """Rotation vectors (..., 3) in radians of unit quaternions (..., 4), at most half a turn."""
+    """Rotation vectors (..., 3) in radians, at most pi long, of unit quaternions (..., 4)."""
     q = np.asarray(quaternions, dtype=np.float64)
     q = np.where(q[..., 3:] < 0.0, -q, q)
     sine = np.linalg.norm(q[..., :3], axis=-1, keepdims=True)
@@ -42,7 +44,9 @@ def to_rotation_vector(quaternions: FloatArray) -> FloatArray:
 
 
 def _turn_about(order: str, halves: FloatArray) -> FloatArray:
-    """(4, N) rotations about the axes of ``order`` by twice ``halves`` (n, N), each in the axes of the one before."""
+    """Quaternions as components (4, N) of successive rotations about the axes ``order``, each in the axes rotated
+    before; ``halves`` (n, N) are half angles in radians.
+    """
     q = np.zeros((4, halves.shape[1]))
     q[3] = 1.0
     for axis, sine, cosine in zip(order, np.sin(halves), np.cos(halves), strict=True):
@@ -58,9 +62,9 @@ def _turn_about(order: str, halves: FloatArray) -> FloatArray:
 
 
 def to_euler(order: str, quaternions: FloatArray) -> FloatArray:
-    """Angles (..., 3) in radians for intrinsic ``order``: the inverse of ``from_euler``.
+    """Angles (..., 3) in radians of intrinsic rotations in ``order``: the inverse of ``from_euler``.
 
-    At the gimbal lock of the middle angle the third is zero; the rotation is still exact.
+    At the gimbal lock of the middle angle the third angle is zero; the rotation is still exact.
     """
     x, y, z = ("XYZ".index(axis) for axis in order.upper())
     sign = 1.0 if (y - x) % 3 == 1 else -1.0
@@ -128,7 +132,7 @@ def from_matrix(matrices: FloatArray) -> FloatArray:
 
 
 def multiply(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Product (..., 4): ``second`` acts before ``first``, as with matrices."""
+    """Product (..., 4) of quaternions: the rotation ``second`` followed by ``first``, as with matrices."""
     a, b = np.broadcast_arrays(first, second)
     vector = a[..., 3:] * b[..., :3] + b[..., 3:] * a[..., :3] + np.cross(a[..., :3], b[..., :3])
     scalar = a[..., 3:] * b[..., 3:] - np.sum(a[..., :3] * b[..., :3], axis=-1, keepdims=True)
@@ -149,18 +153,19 @@ def rotate(quaternions: FloatArray, vectors: FloatArray) -> FloatArray:
 
 
 def normalized(vectors: FloatArray) -> FloatArray:
-    """Vectors or quaternions of unit length; those of zero length are unchanged."""
+    """Vectors or quaternions (..., N) scaled to unit length; zero vectors are unchanged."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     unit: FloatArray = np.asarray(vectors) / np.where(length > 0.0, length, 1.0)
     return unit
 
 
 def unit_vectors(vectors: FloatArray) -> FloatArray:
-    """Vectors (..., N) of length 1; one that has been normalised is unchanged, so that what is read back from a file
-    equals what was written.
+    """Vectors (..., N) scaled to unit length; vectors of unit length are returned to the bit.
+
+    Values read back from a file therefore equal the values written.
     """
     lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    return np.where(np.abs(lengths - 1.0) <= UNIT_WITHIN, vectors, vectors / lengths)
+    return np.where(np.abs(lengths - 1.0) <= UNIT_LENGTH_TOLERANCE, vectors, vectors / lengths)
 
 
 def sign_continuous(quaternions: FloatArray) -> FloatArray:
@@ -209,13 +214,13 @@ def frame_along(bone: FloatArray, x_hint: FloatArray) -> FloatArray:
 
 
 def cross(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Cross product (3,) of two vectors (3,), ten times as fast as ``np.cross`` for a single one."""
+    """Cross product (3,) of two vectors (3,); ten times as fast as ``np.cross`` for a single pair."""
     (a, b, c), (x, y, z) = first.tolist(), second.tolist()
     return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
 
 
 def slerp(first: FloatArray, second: FloatArray, share: FloatArray | float) -> FloatArray:
-    """Rotations (..., 4) at the fraction ``share`` of the shortest arc from ``first`` to ``second``."""
+    """Rotations (..., 4) at the fraction ``share``, from 0 to 1, of the shortest arc from ``first`` to ``second``."""
     share = np.asarray(share, dtype=np.float64)[..., None]
     dot = np.sum(first * second, axis=-1, keepdims=True)
     second = np.where(dot < 0.0, -second, second)

@@ -5,13 +5,13 @@ from numpy.typing import NDArray
 
 
 def runs_of(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """(first, past the last) of each unbroken run of true in ``mask`` (F,)."""
+    """Runs of consecutive True in ``mask`` (F,), each as its first index and the index past its last."""
     edges = np.flatnonzero(np.diff(mask, prepend=False, append=False))
     return [(int(first), int(past)) for first, past in edges.reshape(-1, 2)]
 
 
 def runs_in(window: slice, mask: NDArray[np.bool_], apart: int) -> list[slice]:
-    """Runs of frames of a ``window`` where ``mask`` (F,) is true; runs no more than ``apart`` frames from each other
+    """Slices of the frames of ``window`` where ``mask`` (F,) is True; runs at most ``apart`` frames apart
     are joined.
     """
     frames = window.start + np.flatnonzero(mask[window])

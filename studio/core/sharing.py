@@ -13,14 +13,14 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True, eq=False)
 class _CachedResult(Generic[Result]):
-    """``result`` for an owner, valid for these ``terms``."""
+    """Result of an owner, valid as long as the source has these ``terms``."""
 
     terms: object
     result: "Future[Result]"
 
 
 class Shared(Generic[Source, Result]):
-    """``compute(source)``, computed once and kept while the owner of the source lives.
+    """Callable that returns ``compute(source)``, computed once and kept while the owner of the source lives.
 
     Other threads that call it meanwhile wait for the result. Errors are not kept. The result must not refer to the
     owner, or neither is ever freed.
@@ -32,15 +32,18 @@ class Shared(Generic[Source, Result]):
         owner: Callable[[Source], object] = lambda source: source,
         terms: Callable[[Source], object] = lambda source: None,
     ) -> None:
-        """``terms(source)`` distinguishes the sources of one ``owner(source)``; only the result of the latest terms is
-        kept.
+        """Set the function, and the functions that return the owner and the terms of a source.
+
+        A result is kept for each owner as long as the terms are equal; a source with other terms replaces it.
         """
         self._compute, self._owner, self._terms = compute, owner, terms
         self._kept: dict[int, _CachedResult[Result]] = {}
         self._lock = threading.Lock()
 
     def __call__(self, source: Source, *known: Any) -> Result:
-        """Result for ``source``; ``compute`` also gets ``known``, and its error is raised."""
+        """Result for ``source``, computed by ``compute(source, *known)`` if none is kept; an error of ``compute`` is
+        raised.
+        """
         owner, terms = self._owner(source), self._terms(source)
         key = id(owner)
         while True:

@@ -8,11 +8,11 @@ Piece = TypeVar("Piece")
 
 THREADS = 2
 _RUN = 1024
-"""Frames worked on at a time."""
+"""Number of frames in one piece of work."""
 
 
-def in_threads(work: Callable[[Piece], object], pieces: Sequence[Piece]) -> Iterator[float]:
-    """Call ``work`` for every piece; yields the fraction that is done.
+def run_in_threads(work: Callable[[Piece], object], pieces: Sequence[Piece]) -> Iterator[float]:
+    """Call ``work`` for every piece in two threads, and yield the fraction that is done, from 0 to 1.
 
     Closing the generator stops the work. Errors of ``work`` are raised here, that of an earlier piece first. A single
     piece needs no thread.
@@ -33,11 +33,11 @@ def in_threads(work: Callable[[Piece], object], pieces: Sequence[Piece]) -> Iter
 
 
 def over_frames(work: Callable[[slice], object], count: int) -> Iterator[float]:
-    """``in_threads`` for ``count`` frames, a run of frames as a piece."""
-    return in_threads(work, [slice(first, min(first + _RUN, count)) for first in range(0, count, _RUN)])
+    """Call ``work`` for slices of ``count`` frames in two threads, and yield the fraction that is done, from 0 to 1."""
+    return run_in_threads(work, [slice(first, min(first + _RUN, count)) for first in range(0, count, _RUN)])
 
 
 def do_over_frames(work: Callable[[slice], object], count: int) -> None:
-    """``over_frames`` to its end, without progress."""
+    """Call ``work`` for slices of ``count`` frames in two threads, and return when all are done."""
     for _ in over_frames(work, count):
         pass

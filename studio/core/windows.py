@@ -12,11 +12,11 @@ FloatArray = NDArray[np.float64]
 T = TypeVar("T", np.float64, np.bool_)
 
 BELL_DEVIATIONS = 4.0
-"""Standard deviations after which a bell ends."""
+"""Half width of a Gaussian window in standard deviations."""
 
 
 def bell_average(track: ArrayLike, sigma: float) -> FloatArray:
-    """(F,) or (F, 3) Gaussian average of ``sigma`` frames."""
+    """Gaussian moving average of ``track`` (F,) or (F, 3), of the same shape; ``sigma`` is in frames."""
     values = np.asarray(track, dtype=float)
     reach = int(BELL_DEVIATIONS * sigma + 0.5)
     bell = np.exp(-0.5 * (np.arange(-reach, reach + 1) / max(sigma, 1e-9)) ** 2)
@@ -26,13 +26,17 @@ def bell_average(track: ArrayLike, sigma: float) -> FloatArray:
     return np.stack(columns, axis=-1).reshape(values.shape)
 
 
-def highest(track: NDArray[T], reach: int) -> NDArray[T]:
-    """(F,) maximum over the frames up to ``reach`` frames from each; of booleans, true if any is."""
+def sliding_maximum(track: NDArray[T], reach: int) -> NDArray[T]:
+    """Maximum (F,) of ``track`` (F,) within ``reach`` frames before and after each frame; for booleans,
+    True if any is.
+    """
     return np.asarray(np.lib.stride_tricks.sliding_window_view(_held(track, reach), 2 * reach + 1).max(axis=1))
 
 
-def lowest(track: NDArray[T], reach: int) -> NDArray[T]:
-    """(F,) minimum over the frames up to ``reach`` frames from each."""
+def sliding_minimum(track: NDArray[T], reach: int) -> NDArray[T]:
+    """Minimum (F,) of ``track`` (F,) within ``reach`` frames before and after each frame; for booleans, True if all
+    are.
+    """
     return np.asarray(np.lib.stride_tricks.sliding_window_view(_held(track, reach), 2 * reach + 1).min(axis=1))
 
 

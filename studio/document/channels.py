@@ -14,9 +14,16 @@ from studio.core.changed_records import with_fields
 from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Keys
-from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP
-from studio.core.curves.tangents import HEAVIEST, LIGHTEST, Tangent, TangentMode, Tangents, tangents_of
-from studio.core.plausible import PLACE_RANGE, WEIGHT
+from studio.core.curves.retiming import FASTEST_CLIP_SPEED, SLOWEST_CLIP_SPEED
+from studio.core.curves.tangents import (
+    LEAST_TANGENT_WEIGHT,
+    MOST_TANGENT_WEIGHT,
+    Tangent,
+    TangentMode,
+    Tangents,
+    tangents_of,
+)
+from studio.core.plausible import PLACE_RANGE, WEIGHT_RANGE
 from studio.core.rotations import from_euler, from_matrix, to_euler
 from studio.document.keyed_fields import Keyed, KeyedField
 from studio.document.length_units import shown_unit
@@ -77,9 +84,11 @@ def channels_of(field: KeyedField, keyed: Keyed) -> tuple[Channel, ...]:
             if field.name == "heading":
                 return (Channel(field, 0, field.name, "°", DEGREES_PER_RADIAN),)
             if field.collection == "clips":
-                return (Channel(field, 0, field.name, "×", baseline=0.0, limits=(SLOWEST_CLIP, FASTEST_CLIP)),)
+                return (
+                    Channel(field, 0, field.name, "×", baseline=0.0, limits=(SLOWEST_CLIP_SPEED, FASTEST_CLIP_SPEED)),
+                )
             if field.name == "weight":
-                return (Channel(field, 0, field.name, "", baseline=0.0, limits=(0.0, WEIGHT.most)),)
+                return (Channel(field, 0, field.name, "", baseline=0.0, limits=(0.0, WEIGHT_RANGE.most)),)
             metre = shown_unit("m")
             return (Channel(field, 0, field.name, metre.symbol, metre.factor, limits=(0.0, PLACE_RANGE.most)),)
         case KeyedProportions():
@@ -168,10 +177,10 @@ def with_handle(
     """
     other = index + (1 if side is Side.LEAVING else -1)
     gap = keyed.times[other] - keyed.times[index]
-    weight = min(max(HANDLE_DIVISOR * seconds / gap, LIGHTEST), HEAVIEST)
+    weight = min(max(HANDLE_DIVISOR * seconds / gap, LEAST_TANGENT_WEIGHT), MOST_TANGENT_WEIGHT)
     if isinstance(keyed, ActivationCurve):
         return keyed.with_weight(index, weight)
-    least = LIGHTEST * gap / HANDLE_DIVISOR
+    least = LEAST_TANGENT_WEIGHT * gap / HANDLE_DIVISOR
     seconds = seconds if seconds / gap > least / gap else least
     rate = _stored_rate(channel, keyed, index, side, value / seconds / channel.factor)
     own = (keyed.tangents[index] if keyed.tangents else None) or Tangents()

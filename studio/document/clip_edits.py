@@ -11,7 +11,7 @@ from studio.core.errors import StudioError
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import (
-    MOST_PARTS,
+    MOST_CLIP_PARTS,
     ClipEdit,
     clip_halves,
     players_of,
@@ -68,7 +68,7 @@ def split_clip(document: EditedProject, clip_id: str, time: float) -> str:
     not within the clip.
     """
     clip = document.project.clips[clip_id]
-    text, names = f"Split {name_of(document.project, clip)}", new_ids(MOST_PARTS)
+    text, names = f"Split {name_of(document.project, clip)}", new_ids(MOST_CLIP_PARTS)
     rate = document.project.frame_rate_of(clip)
     with document.group(text):
         edit_clip(document, clip_id, lambda each: clip_halves(each, rate, time, iter(names)), text)

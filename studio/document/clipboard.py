@@ -11,7 +11,7 @@ from typing import NoReturn
 from studio.core.body.growth import KeyedProportions
 from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.base import Constraint
-from studio.core.constraints.carried_over import MIRROR, ClipTransform, constraint_on_clip
+from studio.core.constraints.carried_over import MIRROR_TRANSFORM, ClipTransform, constraint_on_clip
 from studio.core.constraints.objections import objection
 from studio.core.constraints.own_place import KeyedOwnPlace
 from studio.core.constraints.scope import EVERYONE, Scope
@@ -377,17 +377,17 @@ def _mirrored(project: Project, field: KeyedField, keyed: Keys) -> Keys:
         case KeyedPoses():
             return keyed.mirrored()
         case KeyedOwnPlace():
-            values = tuple(map(tuple, MIRROR.directions(keyed.values).tolist()))
-            return replace(keyed.with_rates(MIRROR.directions), values=values)
+            values = tuple(map(tuple, MIRROR_TRANSFORM.directions(keyed.values).tolist()))
+            return replace(keyed.with_rates(MIRROR_TRANSFORM.directions), values=values)
         case KeyedPlace():
-            values = tuple(map(tuple, MIRROR.positions(keyed.values).tolist()))
-            return replace(keyed.with_rates(MIRROR.directions), values=values)
+            values = tuple(map(tuple, MIRROR_TRANSFORM.positions(keyed.values).tolist()))
+            return replace(keyed.with_rates(MIRROR_TRANSFORM.directions), values=values)
         case KeyedTurn():
             entity = project.get(*field.item)
             assert isinstance(entity, Constraint)
             part = entity.point.part
-            values = tuple(map(tuple, MIRROR.rotations(keyed.values, part).tolist()))
-            return replace(keyed.with_rates(lambda rate: MIRROR.own_rates(rate, part)), values=values)
+            values = tuple(map(tuple, MIRROR_TRANSFORM.rotations(keyed.values, part).tolist()))
+            return replace(keyed.with_rates(lambda rate: MIRROR_TRANSFORM.own_rates(rate, part)), values=values)
         case KeyedNumber() if field.name == "heading":
             return replace(keyed.with_rates(lambda rate: -rate), values=tuple(-value for value in keyed.values))
     return keyed

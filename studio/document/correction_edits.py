@@ -8,7 +8,7 @@ from studio.core.constraints.base import Vector
 from studio.core.curves.activation import ActivationCurve
 from studio.core.errors import StudioError
 from studio.core.names import free_name
-from studio.core.stage.correction import new_correction, range_around
+from studio.core.stage.correction import new_correction, new_correction_range
 from studio.document.edited_project import EditedProject
 
 
@@ -43,7 +43,7 @@ def set_pose(
     name = name or text.removeprefix("Correct ")
     with document.group(text, gesture):
         key = correction_at(document, performer_id, time) or _add(
-            document, performer_id, name, time, activation or range_around(time)
+            document, performer_id, name, time, activation or new_correction_range(time)
         )
         correction = document.project.corrections[key]
         pose = correction.pose_at(time).with_turns(turns)

@@ -15,7 +15,7 @@ from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
 from studio.core.solver.performers.rows import stage_span
 from studio.core.stage.clip import Clip
-from studio.core.stage.project import CLASSES, GROUND_ID, Entity, Performer, Project, new_ids, references
+from studio.core.stage.project import COLLECTION_CLASSES, GROUND_ID, Entity, Performer, Project, new_ids, references
 from studio.document.commands.removal import removal_edits
 from studio.document.commands.replace import (
     Edit,
@@ -304,7 +304,7 @@ class EditedProject(QObject):
 
     def _check(self, collection: str, *entities: Entity) -> None:
         for entity in entities:
-            if not isinstance(entity, CLASSES[collection]):
+            if not isinstance(entity, COLLECTION_CLASSES[collection]):
                 raise TypeError(f"A {type(entity).__name__} does not belong among the {collection}.")
         for name, key in dict.fromkeys(reference for entity in entities for reference in references(entity)):
             if self._project.get(name, key) is None:

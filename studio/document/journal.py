@@ -24,7 +24,7 @@ from studio.document.commands.replace import Edit
 from studio.document.file_lock import FileLock
 from studio.document.playhead import PlayheadState
 from studio.io.project.archive import Stamp
-from studio.io.project.entity_json import Members, entity_record, line, npy_parts, project_json
+from studio.io.project.entity_json import Members, entity_record, npy_parts, project_json, record_line
 
 STEPS_BETWEEN_SNAPSHOTS = 50
 IDLE_SECONDS, RETRY_SECONDS = 2.0, 2.0
@@ -82,7 +82,7 @@ class StateHash:
             for key, entity in getattr(project, collection).items():
                 known = self._digests.get((collection, key))
                 if known is None or known[0] is not entity:
-                    text = line(entity_record(collection, key, entity, {}))
+                    text = record_line(entity_record(collection, key, entity, {}))
                     known = (entity, hashlib.sha256(text.encode()).hexdigest())
                     self._digests[collection, key] = known
                 total.update(f"{collection}/{key}:{known[1]}\n".encode())

@@ -21,7 +21,7 @@ from studio.document.playhead import PlayheadState
 from studio.io.json_text import JsonObject
 from studio.io.npy import array_of
 from studio.io.project.archive import Stamp
-from studio.io.project.entity_json import entity_of, parsed, project_of
+from studio.io.project.entity_json import entity_of, parse_member, project_of
 from studio.io.project.value_json import Array
 
 DECLINED_KEPT_FOR = timedelta(days=30)
@@ -279,7 +279,7 @@ def _foreign(connection: sqlite3.Connection) -> dict[str, bytes]:
 def _state(content: bytes, state: str, load: LoadArray, hashes: StateHash, foreign: dict[str, bytes]) -> Project | None:
     """Project of a snapshot; None if its hash does not match ``state``."""
     try:
-        project = project_of(parsed(content, "snapshot"), load).project
+        project = project_of(parse_member(content, "snapshot"), load).project
     except (StudioError, ValueError, TypeError):
         return None
     if hashes.of(project) != state:

@@ -4,10 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.fitted_activation import LOSS
+from studio.core.constraints.fitted_activation import PEAK_SPEED_LOSS
 from studio.core.curves.activation import ActivationCurve
 from studio.core.solver.request import AdaptedMotion
-from studio.core.stage.correction import CORRECTION_HOLD, CORRECTION_SECONDS, PoseOffsets, range_around
+from studio.core.stage.correction import CORRECTION_HOLD, CORRECTION_SECONDS, PoseOffsets, new_correction_range
 from studio.core.stage.holding import REACH_SPEED
 from studio.core.stage.timing import Timing
 from studio.engine.posed_performer import rows_at
@@ -27,8 +27,10 @@ def fitted_range(timing: Timing, motion: AdaptedMotion, pose: PoseOffsets, time:
     count = round((CORRECTION_HOLD + FADES[-1]) * motion.frame_rate)
     times = time + np.arange(-count, count + 1) / motion.frame_rate
     rows = rows_at(motion, timing, times)
-    allowed = np.maximum(LOSS * _speeds(motion, rows, PoseOffsets(), np.zeros(len(rows))).max(axis=0), REACH_SPEED)
-    _, full, full_end, _ = range_around(time).times
+    allowed = np.maximum(
+        PEAK_SPEED_LOSS * _speeds(motion, rows, PoseOffsets(), np.zeros(len(rows))).max(axis=0), REACH_SPEED
+    )
+    _, full, full_end, _ = new_correction_range(time).times
     found = []
     for side in (slice(None, count), slice(count, None)):
         excesses = []

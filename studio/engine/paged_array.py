@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.compact_array import CompactArray, PoseArray, single
+from studio.core.compact_array import CompactArray, PoseArray, compact_array
 
 PAGED_BYTES = 8 << 20
 """Size in bytes from which an array is stored in a file: the rotations of 90 seconds at 120 Hz."""
@@ -65,10 +65,10 @@ class FileRows:
 def paged_rows(numbers: PoseArray) -> CompactArray:
     """Array of 32-bit numbers: in a file if it is large, or in memory if no file can be written."""
     if isinstance(numbers, CompactArray) or numbers.nbytes < 2 * PAGED_BYTES or len(_OPEN) >= MOST_PAGE_FILES:
-        return single(numbers)
+        return compact_array(numbers)
     if not hasattr(os, "preadv"):  # Windows
-        return single(numbers)
+        return compact_array(numbers)
     try:
         return CompactArray(FileRows(PageFile(numbers), numbers.shape))
     except OSError:
-        return single(numbers)
+        return compact_array(numbers)

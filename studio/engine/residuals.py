@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyPart
 from studio.core.captures.contacts import ContactInterval
-from studio.core.curves.activation import FULLY_ACTIVE
+from studio.core.curves.activation import LEAST_FULL_ACTIVATION
 from studio.core.project_cache import project_cache
 from studio.core.solver.performers.rows import stage_span, timing_of
 from studio.core.solver.performers.stage import constraints_of_performer
@@ -182,7 +182,7 @@ def worst_residual(
     if missed is None:
         return None
     asked = np.where(missed.played, missed.amounts, np.nan)
-    full = np.where(missed.activation * missed.freedom >= FULLY_ACTIVE, asked, np.nan)
+    full = np.where(missed.activation * missed.freedom >= LEAST_FULL_ACTIVATION, asked, np.nan)
     fully_active = bool(np.isfinite(full).any())
     counted = full if fully_active else asked
     if not np.isfinite(counted).any():

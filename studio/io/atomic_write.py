@@ -1,4 +1,4 @@
-"""Atomic writing of files: written beside the old one, flushed to the disk, then renamed."""
+"""Atomic writing of files: a new file is written beside the old one, flushed to the disk, and renamed."""
 
 import contextlib
 import errno
@@ -19,23 +19,25 @@ _UNTOUCHED = "Nothing was changed on the disk."
 
 
 class FolderNotWritable(StudioError):  # noqa: N818 - it names what is the matter
-    """File that cannot be written in its folder; another folder may do."""
+    """Error: a file cannot be written in its folder, but may be written in another one."""
 
 
 @contextmanager
 def atomic_replacement(path: Path) -> Iterator[Path]:
-    """``atomic_replacements`` for one file."""
+    """Context with the path of an empty file, which replaces ``path`` at the end of the block; see
+    ``atomic_replacements``.
+    """
     with atomic_replacements(path) as (part,):
         yield part
 
 
 @contextmanager
 def atomic_replacements(*paths: Path) -> Iterator[tuple[Path, ...]]:
-    """Empty files to be filled in the block; they replace ``paths``, in order, once all are on the disk.
+    """Context with the paths of empty files to fill; they replace ``paths``, in order, once all are on the disk.
 
-    Each keeps the mode of the file that it replaces, or has the default one; a link stays and its target is replaced.
-    If the block raises, ``paths`` are unchanged and nothing is left beside them. Raises FolderNotWritable if another
-    folder is needed and StudioError for any other OSError, also of the block.
+    Each file keeps the mode of the file that it replaces, or has the default mode; a link stays, and its target is
+    replaced. If the block raises, ``paths`` are unchanged and no file is left beside them. Raises FolderNotWritable if
+    another folder is needed, and StudioError for any other OSError, also of the block.
     """
     targets = [Path(os.path.realpath(path)) for path in paths]
     parts = [part_of(target) for target in targets]
@@ -59,7 +61,7 @@ def atomic_replacements(*paths: Path) -> Iterator[tuple[Path, ...]]:
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """Replace ``path`` by ``content``, or leave it unchanged. Raises as ``atomic_replacements``."""
+    """Replace the file ``path`` by ``content``, or leave it unchanged. Raises FolderNotWritable or StudioError."""
     with atomic_replacement(path) as part:
         part.write_bytes(content)
 
@@ -70,16 +72,17 @@ def write_text(path: Path, text: str) -> None:
 
 
 def write_pieces(path: Path, pieces: Iterable[bytes | memoryview]) -> None:
-    """``write_atomically`` of a content in pieces, whose iterator may raise to cancel."""
+    """Write a content in pieces, atomically; their iterator may raise an exception to cancel."""
     with atomic_replacement(path) as part, open(part, "wb") as file:
         file.writelines(pieces)
 
 
 @contextmanager
 def new_folder(path: Path) -> Iterator[Path]:
-    """Folder to be filled in the block, which then appears as ``path``; nothing of it stays if the block raises.
+    """Context with a folder to fill, which becomes ``path`` at the end of the block; nothing of it stays if the block
+    raises.
 
-    Raises StudioError if ``path`` exists and is not an empty folder, and as ``atomic_replacements``.
+    Raises StudioError if ``path`` exists and is not an empty folder, or if it cannot be written.
     """
     target = Path(os.path.realpath(path))
     part = part_of(target)
@@ -101,12 +104,14 @@ def new_folder(path: Path) -> Iterator[Path]:
 
 
 def part_of(path: Path) -> Path:
-    """Name beside ``path`` that no other process or thread uses."""
+    """Path beside ``path`` that no other process or thread uses."""
     return path.with_name(f".{path.name}.{os.getpid()}-{secrets.token_hex(4)}{_SUFFIX}")
 
 
 def remove_leftovers(path: Path) -> None:
-    """Remove files left beside ``path`` by killed writers; only if no other process writes it now."""
+    """Remove files left beside ``path`` by writers that were killed; call it only if no other process writes ``path``
+    now.
+    """
     with contextlib.suppress(OSError):  # where files cannot be removed, writing says so
         for item in path.parent.iterdir():
             if item.name.startswith(f".{path.name}.") and item.suffix == _SUFFIX:

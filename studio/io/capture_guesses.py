@@ -1,4 +1,4 @@
-"""Guesses of all capture readers about values that a file does not give: body, ground, reference pose."""
+"""Guesses common to all capture readers about values that a file does not state: body, ground, reference pose."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -31,14 +31,15 @@ from studio.io.figure.body_maps import FoundBody, named_sides, similar_joints
 from studio.io.figure.kept_references import certainty, kept_reference, seconds_at_ease
 from studio.io.guessing import guess_first_frame, guess_floor
 from studio.io.importing import ImportOptions
-from studio.io.up_axis import FILE_AXES, axis_called, turn_to_world
+from studio.io.up_axis import FILE_AXES, parse_axis, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
 
 def loose_guesses(feet: Collection[int], hands: Collection[int], behind: float) -> list[Guess]:
-    """Guesses about feet and hands that are not descendants of their limbs; the body was ``behind`` the feet, in the
-    unit of the poses.
+    """Guesses about feet and hands that are not descendants of their limbs.
+
+    ``behind`` is the distance of the body from its feet, in the unit of the poses.
     """
     guesses = []
     for ends, subject, limbs, bones in ((feet, "feet", "legs", "shanks"), (hands, "hands", "arms", "forearms")):
@@ -54,13 +55,14 @@ def loose_guesses(feet: Collection[int], hands: Collection[int], behind: float) 
 
 
 def body_by_shape_in(skeleton: Skeleton, rest: FloatArray, points: FloatArray, up_axis: str | None) -> FoundBody | None:
-    """Body by the shape of its rest pose (J, 3), whatever its joints are called; None if it is not human.
+    """Body found by the shape of the rest pose ``rest`` (J, 3), whatever the names of its joints; None if it is not
+    human.
 
-    ``points`` (F, J, 3), both in the file's axes, distinguish the knees. All axes are tried as up axis unless the user
-    has chosen one.
+    ``points`` (F, J, 3), in the file's axes like ``rest``, show how the knees bend. All axes are tried as up axis
+    unless the user has chosen one.
     """
     sides = named_sides(skeleton)
-    for axis in (axis_called(up_axis),) if up_axis else FILE_AXES:
+    for axis in (parse_axis(up_axis),) if up_axis else FILE_AXES:
         by_shape = moving_body_by_shape(skeleton, rest @ turn_to_world(axis).T, points, sides)
         if by_shape is not None:
             return FoundBody(by_shape, "", ())
@@ -68,7 +70,9 @@ def body_by_shape_in(skeleton: Skeleton, rest: FloatArray, points: FloatArray, u
 
 
 def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -> list[Guess]:
-    """Guesses by which the body was found, or missing limbs with similar names; empty if the user has chosen."""
+    """Guesses about the body: how it was found, or the missing limbs with similar names; empty if the user has chosen
+    it.
+    """
     if found.body_map is None:
         offers = {limb: similar_joints(skeleton, limb) for limb in found.missing}
         reason = "; ".join(f"no {limb} (candidates: {', '.join(names) or 'none'})" for limb, names in offers.items())
@@ -89,7 +93,7 @@ def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -
 
 
 def with_sides_right(found: FoundBody, points: FloatArray, guesses: list[Guess]) -> FoundBody:
-    """Body with left and right by ``points`` (F, J, 3), in any axes, and a guess if names disagree."""
+    """Body with left and right according to ``points`` (F, J, 3), in any axes; a guess is added if names disagree."""
     exchanged = exchanged_limbs(found.body_map, points) if found.body_map is not None else ()
     if found.body_map is None or not exchanged:
         return found
@@ -102,8 +106,9 @@ def with_sides_right(found: FoundBody, points: FloatArray, guesses: list[Guess])
 
 @dataclass(frozen=True, eq=False)
 class ReadJoints:
-    """Joints of a file, in world axes and metres: ``positions`` (F, J, 3) by their poses; ``unit`` and ``up_axis`` are
-    those of the file.
+    """Joints read from a file, in world axes and metres.
+
+    ``positions`` (F, J, 3) are those of the poses; ``unit`` and ``up_axis`` are those of the file.
     """
 
     path: Path
@@ -117,7 +122,7 @@ class ReadJoints:
 
 
 def make_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, guesses: list[Guess]) -> Capture:
-    """Capture of joints, with its first frame, ground and reference pose found."""
+    """Capture of the joints that were read; its first frame, ground and reference pose are found."""
     poses = read.poses
     if found.body_map is not None:
         poses, swing = with_rigid_bones(read.skeleton, poses, found.body_map)
@@ -150,8 +155,9 @@ def make_capture(read: ReadJoints, found: FoundBody, options: ImportOptions, gue
 
 
 def cleaned_joints(read: ReadJoints, body_map: BodyMap, options: ImportOptions, guesses: list[Guess]) -> ReadJoints:
-    """Joints of the cleaned motion, the cleaning among their repairs, if ``options.clean``; else the joints as they
-    are, and a guess in ``guesses`` that offers the cleaning.
+    """Joints of the cleaned motion, with the cleaning among their repairs, if ``options.clean`` is True.
+
+    Otherwise the joints are unchanged, and a guess that offers the cleaning is added to ``guesses``.
     """
     poses, faults = clean_motion(read.poses, read.positions, body_map, read.frame_rate)
     if not faults.any:
@@ -167,7 +173,7 @@ def cleaned_joints(read: ReadJoints, body_map: BodyMap, options: ImportOptions, 
 def floor_of(
     read: ReadJoints, first_frame: int, body_map: BodyMap | None, options: ImportOptions, guesses: list[Guess]
 ) -> float:
-    """Height of the ground in metres, from the user or from the feet after ``first_frame``."""
+    """Height of the ground in metres, given by the user or found from the feet after ``first_frame``."""
     if options.floor is not None:
         return options.floor
     if body_map is None:
@@ -180,7 +186,7 @@ def floor_of(
 def reference_of(
     read: ReadJoints, body_map: BodyMap | None, options: ImportOptions, guesses: list[Guess]
 ) -> FloatArray:
-    """(J, 4) local rotations of the upright body, chosen by the user or found.
+    """Local rotations (J, 4) of the reference pose, chosen by the user or found.
 
     Raises StudioError for an unknown choice.
     """
@@ -199,7 +205,7 @@ def reference_of(
 
 
 def _surest_reference(own: ReferencePose, read: ReadJoints, body_map: BodyMap) -> ReferencePose:
-    """Reference pose kept for the skeleton if it is more certain than its ``own``, else that."""
+    """Reference pose kept for the skeleton if it is more certain than ``own``, else ``own``."""
     try:
         kept = kept_reference(read.skeleton, body_map)
     except StudioError as error:
@@ -214,7 +220,9 @@ def _surest_reference(own: ReferencePose, read: ReadJoints, body_map: BodyMap) -
 def reference_by_option(
     skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap | None, chosen: str | Mapping[str, Sequence[float]]
 ) -> FloatArray:
-    """(J, 4) local rotations of the pose that ``ImportOptions.reference`` names; StudioError if there is none."""
+    """Local rotations (J, 4) of the pose that ``ImportOptions.reference`` names. Raises StudioError if
+    there is none.
+    """
     zero = np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))
     if not isinstance(chosen, str):
         return _pose_by_joint(skeleton, chosen, zero)

@@ -1,4 +1,4 @@
-"""Child processes: followed line by line, and ended together with their parent."""
+"""Child processes whose output is read line by line, and that end together with their parent."""
 
 import os
 import queue
@@ -10,15 +10,15 @@ from pathlib import Path
 from typing import IO
 
 STUDIO_ROOT = Path(__file__).resolve().parents[2]
-"""Folder in which ``python -m studio...`` finds this studio."""
+"""Folder from which ``python -m studio...`` runs this studio."""
 CHILD_NICENESS = 5
-"""Niceness of a child above this process by default: of two that want a processor, it gets a quarter."""
+"""Default niceness of a child relative to this process: if both want one processor, the child gets a quarter."""
 POSIX = os.name == "posix"
-"""Process groups and niceness exist; Windows has neither."""
-MOST_NICENESS = 19
-"""The nicest that a process can be."""
-POLL = 0.05
-"""Seconds between two looks at whether the user wants to stop."""
+"""True if the system has process groups and niceness; Windows has neither."""
+GREATEST_NICENESS = 19
+"""Greatest niceness of a process."""
+CHILD_POLL_SECONDS = 0.05
+"""Seconds between two checks for a cancellation by the user."""
 
 Streams = IO[bytes] | int | None
 
@@ -31,17 +31,17 @@ def child_process(
     stderr: Streams = None,
     behind: int = CHILD_NICENESS,
 ) -> Iterator["subprocess.Popen[bytes]"]:
-    """Process that is killed at the end of the block, unless it has ended by itself.
+    """Context with a running process, which is killed at the end of the block unless it has ended by itself.
 
-    If processors are scarce it has a lower priority than this one, which may have a window. Ctrl-C in a terminal ends
-    only this process, and so both.
+    Its priority is ``behind`` that of this process, which may have a window. Ctrl-C in a terminal reaches only this
+    process, and so ends both.
     """
     group = 0 if POSIX else None
     process = subprocess.Popen(command, stdin=stdin, stdout=stdout, stderr=stderr, cwd=STUDIO_ROOT, process_group=group)
     try:
         if POSIX:
             own = os.getpriority(os.PRIO_PROCESS, 0)  # which only root may go below
-            os.setpriority(os.PRIO_PROCESS, process.pid, min(own + behind, MOST_NICENESS))
+            os.setpriority(os.PRIO_PROCESS, process.pid, min(own + behind, GREATEST_NICENESS))
         yield process
     finally:
         process.kill()
@@ -53,14 +53,14 @@ def child_process(
 
 
 def output_lines(stream: IO[bytes]) -> Iterator[str | None]:
-    """Lines as they arrive, until the stream ends; None now and then without any, so that the caller
-    can do other work.
+    """Lines of ``stream`` as they arrive, until it ends; None from time to time without a line, so that the caller can
+    do other work.
     """
     lines: queue.Queue[bytes | None] = queue.Queue()
     threading.Thread(target=_read, args=(stream, lines), daemon=True).start()
     while True:
         try:
-            line = lines.get(timeout=POLL)
+            line = lines.get(timeout=CHILD_POLL_SECONDS)
         except queue.Empty:
             yield None
             continue
@@ -70,11 +70,11 @@ def output_lines(stream: IO[bytes]) -> Iterator[str | None]:
 
 
 def wait_for(process: "subprocess.Popen[bytes]", alive: Callable[[], object]) -> int:
-    """Exit code of a process; ``alive`` is called while waiting and may raise to stop."""
+    """Exit code of a process; ``alive`` is called while waiting and may raise an exception to stop."""
     while True:
         alive()
         try:
-            return process.wait(POLL)
+            return process.wait(CHILD_POLL_SECONDS)
         except subprocess.TimeoutExpired:
             continue
 

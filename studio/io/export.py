@@ -1,4 +1,4 @@
-"""Export of motions to files: adapted ones on a character's own skeleton, captures on theirs."""
+"""Export of motions to files: adapted ones on a character's own skeleton, captures on their own."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -30,37 +30,38 @@ from studio.io.registry import Format, Progress, known_formats
 FloatArray = NDArray[np.float64]
 
 _STILL_RATE = 30.0
-NOWHERE = Placement()
-"""The place of who stands on no stage."""
+ORIGIN_PLACEMENT = Placement()
+"""Placement of a body that stands on no stage."""
 _BONES = "#C8CDD2"
 
 
 @dataclass(frozen=True, eq=False)
 class Take:
-    """Motion to be exported: joints and poses for every format, and further data for those that can hold it."""
+    """Motion to export: joints and poses for every format, and further data for formats that can hold them."""
 
     capture: Capture
     """Motion to be written, as if it had been captured: joints, poses, body map, ground."""
     annotations: Annotations = Annotations()
     """Contacts, constraints and labels to be written beside it."""
     character: Character | None = None
-    """Character that performs ``adapted``, with the skin.
-
-    The joints are then those of its ``character_skeleton``, and behind them those that it carries along.
+    """Character that performs ``adapted``, with its skin. The joints are then those of its ``character_skeleton``,
+    followed by the extra joints that it carries.
     """
     adapted: AdaptedMotion | None = None
     request: AdaptRequest | None = None
     """Request that ``adapted`` answers: the normalised motion, contacts, constraints."""
     bound: JointSkin | None = None
-    """The skin on the joints as they are written, where options have changed these; else ``skin_of`` makes it."""
+    """Skin bound to the joints as they are written, if export options have changed them; None to let ``skin_of`` make
+    it.
+    """
     rest_rotations: FloatArray | None = None
-    """(J, 4) local rotations in which the joints rest, None where they rest without any."""
+    """Local rotations (J, 4) of the joints at rest; None if they are zero."""
     fingers: FingerPoses | None = None
-    """Fingers of a character that has some of its own, in all frames; None where they are at rest."""
+    """Finger poses in all frames of a character with finger joints; None if they are at rest."""
     place: Placement = Placement()
-    """Placement on the stage of the space of its poses."""
+    """Placement on the stage of the space of the poses."""
     begin: float = 0.0
-    """Seconds on the stage at which it begins."""
+    """Stage second of the first frame."""
 
     @property
     def name(self) -> str:
@@ -69,7 +70,7 @@ class Take:
 
     @property
     def carried_joints(self) -> tuple[str, ...]:
-        """Extra joints after a character's own, without the ends of bones."""
+        """Names of the extra joints after a character's own, without the ends of bones."""
         if self.adapted is None or self.character is None:
             return ()
         own = len(joint_segments(self.adapted.morphology.layout))
@@ -88,12 +89,12 @@ class Take:
 
     @property
     def frame_rate(self) -> float:
-        """Hz."""
+        """Frame rate in Hz."""
         return self.capture.frame_rate
 
 
 def skin_of(take: Take) -> JointSkin:
-    """Character's skin on the joints of ``take``, or a figure of bones if there is none."""
+    """Skin of the character on the joints of ``take``, or a figure of bones if it has no character."""
     if take.bound is not None:
         return take.bound
     return character_skin(take.character, take.skeleton) if take.character else bone_skin(take.skeleton)
@@ -110,7 +111,7 @@ def take_of_capture(capture: Capture, annotations: Annotations | None = None) ->
 
 
 def take_of_standing(character: Character) -> Take:
-    """Take of a character at rest, one frame."""
+    """Take of one frame, in which a character rests."""
     positions, rotations = (each[None] for each in rest_pose(character.morphology))
     still = AdaptedMotion(character.morphology, _STILL_RATE, 0, positions, rotations, np.empty((0, 1)))
     return take_of_adapted(character.name, still, character)
@@ -125,8 +126,8 @@ def take_of_adapted(
 ) -> Take:
     """Take of an adapted motion on the skeleton of its body; ``name`` is used in errors.
 
-    ``along`` is the capture whose ``carried_joints`` (fingers, props) are exported too, with its actor; its fingers
-    also move those of the character.
+    ``along`` is a capture, and its actor, whose extra joints (fingers, props) are exported too; its fingers also move
+    those of the character.
     """
     try:
         skeleton, poses = character_skeleton(adapted.morphology), character_poses(adapted)
@@ -159,25 +160,26 @@ def take_of_actor(
     actor: SourceRig,
     capture: Capture,
     request: AdaptRequest | None = None,
-    placement: Placement = NOWHERE,
+    placement: Placement = ORIGIN_PLACEMENT,
 ) -> Take:
-    """Take of a motion adapted to the actor of its own capture, on the capture's joints: fingers, eyes, props and all
-    others that belong to no body part move as captured. It stays where it was captured, or stands at ``placement`` on
-    the stage if that is given.
+    """Take of a motion adapted to the actor of its own capture, on the joints of the capture.
+
+    Fingers, eyes, props and other joints that belong to no body part move as captured. The body stays where it was
+    captured, or stands at ``placement`` on the stage if that is given.
     """
     try:
         poses = actor_joint_poses(actor, adapted.positions[:], adapted.rotations[:], adapted.first_frame)
     except StudioError as error:
         raise StudioError(f"The motion of {capture.name} cannot be exported: {error}") from error
     take = Take(replace(capture, poses=poses, first_frame=0), _met(request, adapted), None, adapted, request)
-    if placement == NOWHERE:
+    if placement == ORIGIN_PLACEMENT:
         return take
     x, y, _ = (-actor.origin).tolist()
     return replace(take, place=placement.compose(Placement((x, y))))
 
 
 def _met(request: AdaptRequest | None, adapted: AdaptedMotion) -> Annotations:
-    """Contacts in the exported frames; constraints are in the poses already."""
+    """Annotations of the exported frames: contacts only, since constraints are already solved in the poses."""
     if request is None:
         return Annotations()
     start, last = adapted.first_frame, adapted.frame_count - 1
@@ -191,7 +193,7 @@ def _met(request: AdaptRequest | None, adapted: AdaptedMotion) -> Annotations:
 
 
 def format_for(path: Path, job: str = "motion_writer") -> Format:
-    """Format of the file's suffix; StudioError with the existing ones."""
+    """Format of the suffix of ``path`` that supports ``job``. Raises StudioError, which lists the existing formats."""
     known = known_formats()
     for each in known.that_can(job):
         if path.suffix.lower() in each.suffixes:
@@ -204,10 +206,10 @@ def format_for(path: Path, job: str = "motion_writer") -> Format:
 
 
 def write_take(take: Take, path: Path, progress: Progress = lambda share, text: None) -> Format:
-    """Write a take in the format of the suffix of ``path``, and return that.
+    """Write a take in the format of the suffix of ``path``, and return the format.
 
-    Raises StudioError. ``progress`` is called with a fraction from 0 to 1 and may raise to cancel; the file is then as
-    before, or absent.
+    Raises StudioError. ``progress`` is called with a fraction from 0 to 1 and may raise an exception to cancel; the
+    file is then as before, or absent.
     """
     chosen = format_for(path)
     chosen.write_motion(path, take, progress)
@@ -215,5 +217,5 @@ def write_take(take: Take, path: Path, progress: Progress = lambda share, text: 
 
 
 def write_capture(capture: Capture, path: Path) -> Format:
-    """``write_take`` of a capture as it is."""
+    """Write a capture with its own joints, poses and frame rate, and return the format."""
     return write_take(take_of_capture(capture), path)

@@ -1,4 +1,4 @@
-"""Options of an exported file, the same for all formats, for window, shell and scripts."""
+"""Options of an exported file, the same for all formats, for the window, the command line and scripts."""
 
 import math
 from dataclasses import dataclass, replace
@@ -11,64 +11,76 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.pose_sampling import poses_at
 from studio.core.captures.annotations import Annotations
 from studio.core.errors import StudioError
-from studio.core.plausible import FRAME_RATE
-from studio.core.rigs.root_motion import in_place, with_root_joint
+from studio.core.plausible import FRAME_RATE_RANGE
+from studio.core.rigs.root_motion import capture_in_place, with_root_joint
 from studio.core.rigs.zero_pose import t_pose, with_zero_pose
 from studio.core.rotations import IDENTITY_QUATERNION, from_matrix, multiply
 from studio.core.stage.placement import Placement
 from studio.io.export import Take, skin_of
-from studio.io.export_choices import JOINTED, REST_POSES, RESTING, ROOTLESS, ROOTS, SKELETAL
+from studio.io.export_choices import (
+    HIPS_ONLY_SUFFIXES,
+    JOINT_SUFFIXES,
+    REST_POSE_SUFFIXES,
+    REST_POSES,
+    ROOT_CHOICES,
+    SKELETON_SUFFIXES,
+)
 from studio.io.joint_names import with_joint_names
-from studio.io.takes.own_rig import has_own_rig, on_own_rig
+from studio.io.takes.own_rig import has_own_rig, take_on_own_rig
 
 FloatArray = NDArray[np.float64]
 
 MOST_EXPORTED_FRAMES = 1_000_000
-"""Frames of a file: more than two hours at 120 fps."""
+"""Maximum number of frames of a file: more than two hours at 120 fps."""
 _ENDS = 1e-6
 """A part of a frame by which a range may be too short for it."""
 
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """Options of an export; empty ones keep the take's own values: a T-pose and HumanIK's names for characters, a
-    capture's own for a capture.
+    """Options of an export; empty ones keep the take's own values.
+
+    These are a T-pose and the names of HumanIK for characters, and a capture's own for a capture.
     """
 
     joint_names: str = ""
-    """A key of ``joint_names.joint_namings``; without one a character that has joints of its own keeps these."""
+    """Key of ``joint_names.joint_namings``; empty to keep the names, or a character's own joints if it has some."""
     rest_pose: str = ""
-    """A key of ``REST_POSES``: ``own`` is the pose in which a character's skin is bound, or the file's own."""
+    """Key of ``REST_POSES``; ``own`` is the pose in which a character's skin is bound, or the file's own."""
     body_only: bool = False
-    """Leave out what a capture has beside the body: fingers, eyes, twist bones, props."""
+    """True to leave out extra joints of a capture: fingers, eyes, twist bones, props."""
     begin: float | None = None
-    """The first second that is written: of the motion, or of the stage for who plays on one."""
+    """First second to write, of the motion, or of the stage for a performer."""
     end: float | None = None
-    """The last one."""
+    """Last second to write."""
     frame_rate: float | None = None
-    """Hz; frames between those of the motion are interpolated."""
+    """Frame rate in Hz; frames between those of the motion are interpolated."""
     root: str = ""
-    """A key of ``ROOTS``."""
+    """Key of ``ROOT_CHOICES``."""
     at_origin: bool = False
-    """Leave a body where its own motion begins, instead of where it stands on the stage."""
+    """True to leave a body at the begin of its own motion, instead of its position on the stage."""
 
     def carries(self, path: Path) -> bool:
-        """True if a character's file also gets the capture's other joints: skeletons do, tables do not."""
-        return not self.body_only and path.suffix.lower() in SKELETAL
+        """True if a character's file at ``path`` also gets the capture's extra joints: skeletons do, tables do not."""
+        return not self.body_only and path.suffix.lower() in SKELETON_SUFFIXES
 
     def check(self, path: Path) -> None:
         """Raise StudioError if a choice does not fit the format of ``path``."""
         suffix = path.suffix.lower()
-        if self.rest_pose and suffix not in RESTING:
-            raise StudioError(f"{path.name} has no rest pose to choose. Skeletons have: {', '.join(RESTING)}.")
-        for name, value, known in (("rest pose", self.rest_pose, REST_POSES), ("root", self.root, ROOTS)):
+        if self.rest_pose and suffix not in REST_POSE_SUFFIXES:
+            raise StudioError(
+                f"{path.name} has no rest pose to choose. Skeletons have: {', '.join(REST_POSE_SUFFIXES)}."
+            )
+        for name, value, known in (("rest pose", self.rest_pose, REST_POSES), ("root", self.root, ROOT_CHOICES)):
             if value and value not in known:
                 raise StudioError(f"There is no {name} '{value}'. Choose {', '.join(filter(None, known))}.")
-        if self.root == "floor" and suffix in ROOTLESS:
+        if self.root == "floor" and suffix in HIPS_ONLY_SUFFIXES:
             raise StudioError(f"{path.name} has no root joint: its hips travel. Choose in-place or none.")
         rate = self.frame_rate
-        if rate is not None and not FRAME_RATE.least <= rate <= FRAME_RATE.most:
-            raise StudioError(f"A frame rate is from {FRAME_RATE.least:g} to {FRAME_RATE.most:g} fps, not {rate:g}.")
+        if rate is not None and not FRAME_RATE_RANGE.least <= rate <= FRAME_RATE_RANGE.most:
+            raise StudioError(
+                f"A frame rate is from {FRAME_RATE_RANGE.least:g} to {FRAME_RATE_RANGE.most:g} fps, not {rate:g}."
+            )
         if not all(math.isfinite(end) for end in (self.begin, self.end) if end is not None):
             raise StudioError("A range runs from a second to a later one; each is a finite number.")
         if self.begin is not None and self.end is not None and self.begin > self.end:
@@ -86,16 +98,16 @@ class ExportOptions:
         return self._shaped(self._timed(take) if self._is_timed(take) else take, path)
 
     def applied_over(self, take: Take, seconds: FloatArray, frame_rate: float, path: Path) -> Take:
-        """``applied_to`` in frames at ``seconds`` (N,) of the stage, ignoring the range; outside its own frames the
-        take holds still.
+        """Take with the options applied in frames at stage ``seconds`` (N,), ignoring the range; outside its own frames
+        it holds still.
         """
         self.check(path)
         return self._shaped(sampled_take(self._on_joints(take, path), seconds - take.begin, frame_rate), path)
 
     def _on_joints(self, take: Take, path: Path) -> Take:
         """Take on the chosen joints, frame by frame as adapted."""
-        if not self.joint_names and path.suffix.lower() in JOINTED and has_own_rig(take):
-            return on_own_rig(take, path.suffix.lower(), Placement() if self.at_origin else take.place)
+        if not self.joint_names and path.suffix.lower() in JOINT_SUFFIXES and has_own_rig(take):
+            return take_on_own_rig(take, path.suffix.lower(), Placement() if self.at_origin else take.place)
         return take
 
     def _shaped(self, take: Take, path: Path) -> Take:
@@ -110,13 +122,13 @@ class ExportOptions:
                 rest = None if rest is None else np.concatenate([IDENTITY_QUATERNION[None], rest])
             take = replace(take, capture=capture, bound=bound, rest_rotations=rest)
         elif self.root == "in-place":
-            take = replace(take, capture=in_place(take.capture))
+            take = replace(take, capture=capture_in_place(take.capture))
         if self.joint_names:
             take = replace(take, capture=with_joint_names(take.capture, self.joint_names))
         return take
 
     def _is_timed(self, take: Take) -> bool:
-        """True if other frames than those of the take are written."""
+        """True if the options ask for frames other than those of the take."""
         others = self.frame_rate not in (None, take.frame_rate)
         return others or self.begin is not None or self.end is not None
 
@@ -154,14 +166,14 @@ class ExportOptions:
 
 
 def _lowest_bone(take: Take) -> int:
-    """First bone on the way to the hips: nodes above it only carry the skeleton."""
+    """First bone on the path to the hips: nodes above it only carry the skeleton."""
     hips = take.capture.body_map.spine[0] if take.capture.body_map else 0
     bones = None if take.bound is None else take.bound.bones
     return next((each for each in take.skeleton.path(0, hips) if bones is None or bones[each]), hips)
 
 
 def frame_times(begin: float, end: float, frame_rate: float) -> FloatArray:
-    """Seconds (N,) of the frames of a file. Raises StudioError if there are too many."""
+    """Times (N,) in seconds of the frames of a file. Raises StudioError if there are too many."""
     count = int((end - begin) * frame_rate + _ENDS) + 1
     if count > MOST_EXPORTED_FRAMES:
         raise StudioError(
@@ -172,7 +184,7 @@ def frame_times(begin: float, end: float, frame_rate: float) -> FloatArray:
 
 
 def sampled_take(take: Take, seconds: FloatArray, frame_rate: float) -> Take:
-    """Take at ``seconds`` (N,) from its own first frame, as N frames at ``frame_rate``."""
+    """Take sampled at ``seconds`` (N,) from its own first frame, as N frames at ``frame_rate``."""
     frames = seconds * take.frame_rate
     first, last = frames[0], frames[-1]
 

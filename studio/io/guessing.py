@@ -1,4 +1,4 @@
-"""Guesses of values that a file does not give: unit, floor, frame rate, first frame of the motion."""
+"""Guesses of values that a file does not state: unit, floor, frame rate, first frame of the motion."""
 
 from dataclasses import replace
 from typing import NamedTuple
@@ -11,7 +11,7 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
-from studio.core.plausible import UNIT
+from studio.core.plausible import UNIT_RANGE
 from studio.core.runs import runs_of
 from studio.io.numbers import number
 
@@ -26,7 +26,7 @@ METRES_PER_UNIT = {
     "foot": 0.3048,
     "cmu": 0.0254 / 0.45,
 }
-"""Metres a unit; ``cmu`` is that of the raw CMU files, 1 / 0.45 inch."""
+"""Length in metres of each unit; ``cmu`` is that of the raw CMU files, 1 / 0.45 inch."""
 _USUAL_LEG = 0.85
 _ANY_LEG, _ADULT_LEG, _SAID_LEG = (0.25, 2.0), (0.7, 1.0), (0.12, 2.2)
 """Metres of a leg from a small child to a giant of four metres, of a usual adult, and of a body, be it a toy's, whose
@@ -48,8 +48,8 @@ _SAME_UNIT = 1e-4
 _USUAL_RATE = 30.0
 _FOOT_HEIGHT = 0.08
 """Ankle above the ground where a skeleton has nothing below it."""
-SOLE_THICKNESS = 0.02
-"""Metres of foot usual below its lowest joint."""
+SOLE_THICKNESS_METRES = 0.02
+"""Usual distance in metres from the lowest joint of a foot to the ground."""
 _CALIBRATED = 0.035
 """Up to this height the lowest joints of the feet speak for a floor at zero: they lie inside the foot."""
 _STEP = 0.14
@@ -61,16 +61,17 @@ _LONGEST_SNAP = 0.1
 
 
 class Scale(NamedTuple):
-    """Unit by name, and its metres."""
+    """Unit of length: its name and its length in metres."""
 
     unit: str
     metres: float
 
 
 def leg_and_trunk(positions: FloatArray, body_map: BodyMap | None) -> tuple[float, float] | tuple[None, None]:
-    """Mean length of thigh and shank together, and mean distance from the middle of the shoulders to that of the hips.
+    """Mean length of the legs (thigh and shank together), and mean distance from the middle of the shoulders to that of
+    the hips.
 
-    In the unit of ``positions`` (F, J, 3); None if there is no body.
+    Both are in the unit of ``positions`` (F, J, 3); None if there is no body.
     """
     if body_map is None:
         return None, None
@@ -83,19 +84,19 @@ def leg_and_trunk(positions: FloatArray, body_map: BodyMap | None) -> tuple[floa
     return float(leg.mean()), float(trunk.mean())
 
 
-def find_unit(
+def choose_unit(
     leg: float | None, said: Scale | None = None, chosen: str | None = None, trunk: float | None = None
 ) -> tuple[Scale, Guess | None]:
-    """Unit of a file: ``chosen`` by the user, else ``said`` by the file or its format if it is in the range of ``UNIT``
-    and fits its legs.
+    """Unit of a file: ``chosen`` by the user, else ``said`` by the file or format if it is plausible, else guessed.
 
-    ``leg`` is their length in file units, None without a known body, ``trunk`` that from hips to shoulders. The guess
-    is None if nothing was guessed.
+    A stated unit is plausible if it is in ``UNIT_RANGE`` and its legs have the length of a body. ``leg`` is the length
+    of the legs in file units, None without a known body, and ``trunk`` that from hips to shoulders. The second value is
+    None if nothing was guessed.
     """
     if chosen is not None:
         return parse_unit(chosen, leg), None
     fits = said is None or leg is None or _SAID_LEG[0] <= leg * said.metres <= _SAID_LEG[1]
-    if said is not None and fits and UNIT.least <= said.metres <= UNIT.most:
+    if said is not None and fits and UNIT_RANGE.least <= said.metres <= UNIT_RANGE.most:
         return said, None
     if leg is None:
         reason = "Without a human body nothing tells the unit; most files are in cm."
@@ -109,14 +110,16 @@ def find_unit(
     return scale, guess
 
 
-def stated_unit(metres: float) -> Scale:
-    """Unit of that many metres, by name if it has one."""
+def unit_of_metres(metres: float) -> Scale:
+    """Unit with the length ``metres``, by its name if it has one."""
     named = (unit for unit, length in METRES_PER_UNIT.items() if abs(length - metres) < _SAME_UNIT * metres)
     return Scale(next(named, f"{metres:.9g}"), metres)
 
 
 def guess_unit(leg: float, trunk: float | None = None) -> tuple[Scale, Guess]:
-    """Unit in which a leg of ``leg`` units, under a trunk of ``trunk``, is nearest to a human's."""
+    """Unit in which legs of ``leg`` units, below a trunk of ``trunk`` units, come nearest to human ones;
+    and the guess.
+    """
     stout = trunk is not None and leg < _ADULT_SLENDER * trunk
     units = [name for name in METRES_PER_UNIT if _fits(name, leg)]
     fits = [name for name in units if not (stout and name in _RARE)]
@@ -150,9 +153,9 @@ def _fits(name: str, leg: float) -> bool:
 
 
 def parse_unit(text: str, leg: float | None) -> Scale:
-    """Scale of the unit that the user names: one of ``METRES_PER_UNIT``, metres a unit as a number, or ``unknown``.
+    """Unit that the user typed: a name of ``METRES_PER_UNIT``, metres per unit as a number, or ``unknown``.
 
-    ``leg`` is the length of the actor's leg in units of the file, from which an unknown unit is guessed.
+    ``leg`` is the length of the actor's legs in file units, from which an unknown unit is guessed.
     """
     name = _ALIASES.get(text.lower(), text.lower())
     if name in METRES_PER_UNIT:
@@ -160,13 +163,15 @@ def parse_unit(text: str, leg: float | None) -> Scale:
     if name == "unknown" and leg:
         return Scale(name, _USUAL_LEG / leg)
     metres = number(text, f"The unit (one of {', '.join(METRES_PER_UNIT)}, or metres a unit)")
-    if not UNIT.least <= metres <= UNIT.most:
-        raise StudioError(f"A unit is {UNIT.least:g} to {UNIT.most:g} m long, not {text[:40]} m.")
+    if not UNIT_RANGE.least <= metres <= UNIT_RANGE.most:
+        raise StudioError(f"A unit is {UNIT_RANGE.least:g} to {UNIT_RANGE.most:g} m long, not {text[:40]} m.")
     return Scale(text, metres)
 
 
 def guess_frame_rate(frame_time: float | None, digit: float) -> tuple[float, Guess | None]:
-    """Frame rate in Hz; a whole number if the frame time is that of one within its last ``digit``."""
+    """Frame rate in Hz: a whole number if ``frame_time`` equals that of one within its last ``digit``; and
+    the guess.
+    """
     if frame_time is None:
         return _USUAL_RATE, Guess(
             "frame rate", "30 fps", "The file does not say a usable frame time.", Confidence.DOUBTFUL
@@ -182,9 +187,10 @@ def guess_frame_rate(frame_time: float | None, digit: float) -> tuple[float, Gue
 
 
 def guess_first_frame(positions: FloatArray, frame_rate: float) -> tuple[int, Guess | None]:
-    """First frame of the motion if it starts with a calibration pose and a jump; ``positions`` (F, J, 3) m.
+    """First frame of the motion, after a calibration pose and a jump if it begins with these; ``positions`` (F, J, 3)
+    metres.
 
-    The jump may be spread over some frames by a filter: the motion begins where the joints are calm again.
+    A filter may have spread the jump over some frames: the motion begins when the joints are calm again.
     """
     if len(positions) < 24:
         return 0, None
@@ -203,15 +209,16 @@ def guess_first_frame(positions: FloatArray, frame_rate: float) -> tuple[int, Gu
 
 
 def _steps(positions: FloatArray) -> FloatArray:
-    """(F - 1,) greatest displacement in metres of a joint, relative to the first one, from frame to frame."""
+    """Greatest displacement (F - 1,) in metres of a joint, relative to the first joint, from frame to frame."""
     relative = positions - positions[:, :1]
     return np.asarray(np.linalg.norm(np.diff(relative, axis=0), axis=2).max(axis=1))
 
 
 def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap, frame_rate: float) -> Guess:
-    """Height of the ground by the lowest positions of the feet; ``positions`` (F, J, 3) metres, world axes.
+    """Guess of the height of the ground from the lowest positions of the feet; ``positions`` (F, J, 3) metres, world
+    axes.
 
-    Of several heights in a take, as on stairs or off a stage, the lowest is the floor.
+    If the feet stand at several heights, as on stairs or off a stage, the lowest is the floor.
     """
     feet = {body_map[BodyPart.LEFT_FOOT], body_map[BodyPart.RIGHT_FOOT]}
     below = {joint for foot in feet for joint in skeleton.descendants(foot)}
@@ -233,8 +240,11 @@ def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap, fr
         reason = f"The lowest joints of the feet come to {height:.3f} m, which fits a floor at zero."
         height = 0.0
     elif toes and not -_CALIBRATED <= height < 0.0:
-        reason = f"The lowest joints of the feet come to {height:.3f} m; the sole is usually {SOLE_THICKNESS} m below."
-        height -= SOLE_THICKNESS
+        reason = (
+            f"The lowest joints of the feet come to {height:.3f} m; "
+            f"the sole is usually {SOLE_THICKNESS_METRES} m below."
+        )
+        height -= SOLE_THICKNESS_METRES
     if len(levels) > 1:
         over = ", ".join(f"{level - levels[0]:.2f}" for level in levels[1 : _SHOWN + 1])
         reason += (
@@ -247,7 +257,9 @@ def guess_floor(skeleton: Skeleton, positions: FloatArray, body_map: BodyMap, fr
 
 
 def _rests(feet: list[FloatArray], frame_rate: float, step: float) -> list[float]:
-    """Sorted heights at which one of ``feet`` (F, n, 3) rests alone or with the other, no ``step`` above it."""
+    """Sorted heights at which one of ``feet`` (F, n, 3) rests alone, or together with the other less than a ``step``
+    apart.
+    """
     rests = []
     lowest = np.min([joints[1:, :, 2].min(axis=1) for joints in feet], axis=0)
     for joints in feet:
@@ -261,7 +273,7 @@ def _rests(feet: list[FloatArray], frame_rate: float, step: float) -> list[float
 
 
 def _levels(rests: list[float], step: float) -> list[float]:
-    """First of ``rests``, in order, and each that is a ``step`` above the level before it."""
+    """Levels among the sorted heights ``rests``: the first, and each that is a ``step`` above the previous level."""
     levels: list[float] = []
     for level in rests:
         if not levels or level > levels[-1] + step:

@@ -17,34 +17,35 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ImportOptions:
-    """Import settings of the user; None is guessed and listed."""
+    """Import settings of the user; a value of None is guessed, and the guess is listed."""
 
     unit: str | None = None
-    """``m``, ``dm``, ``cm``, ``mm``, ``inch``, ``foot``, ``cmu``, ``unknown``, or metres a unit as a number."""
+    """Unit: ``m``, ``dm``, ``cm``, ``mm``, ``inch``, ``foot``, ``cmu``, ``unknown``, or metres per unit as a number."""
     up_axis: str | None = None
-    """``X``, ``-Y`` and so on, or a direction of the file: ``0.1 -0.98 0.2``."""
+    """Up axis: ``X``, ``-Y`` and so on, or a direction of the file, such as ``0.1 -0.98 0.2``."""
     frame_rate: float | None = None
     floor: float | None = None
     """Height of the ground in metres."""
     body_map: Mapping[str, str] | None = None
-    """Joints by part, as ``BodyMap.to_json`` gives them, "" for none; parts left out are still guessed."""
+    """Joints by part, as in ``BodyMap.to_json``, "" for a missing part; parts left out are guessed."""
     reference: str | Mapping[str, Sequence[float]] | None = None
-    """``zero``, the number of a frame, or the pose itself: local rotations (x, y, z, w) by joint."""
+    """Reference pose: ``zero``, the number of a frame, or local rotations (x, y, z, w) by joint."""
     clean: bool = False
-    """Take off spikes, exchanged limbs and tremble of a motion that was estimated from images or depth."""
+    """True to remove spikes, exchanged limbs and tremble from a motion that was estimated from images or depth."""
     marker_map: "MarkerMap | None" = None
-    """Markers of an optical capture by their places on the body."""
+    """Markers of an optical capture by role."""
     marker_steps: "tuple[Step, ...] | None" = None
-    """Steps that clean its markers; None fills gaps."""
+    """Cleaning steps of the markers; None for the default, which fills gaps."""
 
 
 GUESS_ALL = ImportOptions()
+"""Import options with which everything is guessed."""
 
 
 def read_file(
     path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None
 ) -> ReadCapture | ReadCharacter:
-    """Capture or character in the file at ``path``; raises as ``read_capture``."""
+    """Capture or character in the file at ``path``. Raises StudioError with file, line and what to do."""
     path = Path(path)
     found = recognise(path, "capture_reader", "character_reader")
     read = found.format.read(path, options, progress or _unheard)
@@ -63,7 +64,7 @@ def read_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress:
 
 
 def _identified(read: ReadCapture, digest: str) -> ReadCapture:
-    """``read`` with the ``digest`` of its file in its capture, also when interpreted again."""
+    """Capture that was read, with the ``digest`` of its file, also when it is interpreted again."""
     inner = read.interpret
 
     def interpret(options: ImportOptions, progress: Progress) -> Capture:
@@ -74,19 +75,19 @@ def _identified(read: ReadCapture, digest: str) -> ReadCapture:
 
 
 def _of_file(capture: Capture, digest: str) -> Capture:
-    """``capture`` with the digest of its file, and a file name that can be written as text."""
+    """Capture with the digest of its file, and with a file name that can be written as text."""
     return replace(
         capture, digest=digest, source=readable_name(capture.source), repairs=tuple(map(readable_name, capture.repairs))
     )
 
 
 def load_capture(path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None) -> Capture:
-    """Capture in the file at ``path`` alone; raises as ``read_capture``."""
+    """Capture in the file at ``path``, without annotations. Raises StudioError with file, line and what to do."""
     return read_capture(path, options, progress).capture
 
 
 def known_of_motion(capture: Capture, said: Annotations, motion_id: str) -> Annotations:
-    """Annotations ``said`` by a motion's file; contacts are detected if it has none."""
+    """Annotations ``said`` by a motion's file; contacts are detected if the file has none."""
     from studio.core.normalized.normalize import detected_contacts  # late: it loads kernels
 
     said = said.of_motion(motion_id)
@@ -96,7 +97,9 @@ def known_of_motion(capture: Capture, said: Annotations, motion_id: str) -> Anno
 def load_character(
     path: Path | str, options: ImportOptions = GUESS_ALL, progress: Progress | None = None
 ) -> ReadCharacter:
-    """Character in the file at ``path`` with the guesses about it; raises as ``read_capture``."""
+    """Character in the file at ``path`` with the guesses about it. Raises StudioError with file, line and
+    what to do.
+    """
     path = Path(path)
     return format_of(path, "character_reader").read_character(path, options, progress or _unheard)
 

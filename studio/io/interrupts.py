@@ -1,4 +1,4 @@
-"""Ctrl-C while a library is loaded that would swallow it."""
+"""Handling of Ctrl-C while a library is loaded that would swallow it."""
 
 import signal
 import threading
@@ -8,9 +8,9 @@ from contextlib import contextmanager
 
 @contextmanager
 def deferred_interrupt() -> Iterator[None]:
-    """Raise the KeyboardInterrupt of a Ctrl-C within the block at its end.
+    """Context at whose end the KeyboardInterrupt of a Ctrl-C within its block is raised.
 
-    Modules that load each other in C++ print such an exception, go on half loaded, and lose it.
+    Modules that load each other in C++ print such an exception, continue half loaded, and lose it.
     """
     if threading.current_thread() is not threading.main_thread():  # no other is interrupted
         yield

@@ -16,29 +16,29 @@ _SIDES = ({"side": "left", "Side": "Left", "s": "l", "S": "L"}, {"side": "right"
 
 @dataclass(frozen=True)
 class JointNaming:
-    """Names of one group of programs: one for each part, each finger joint, and each vertebra above the pelvis."""
+    """Joint names of one group of programs: for each part, each finger joint, and each vertebra above the pelvis."""
 
     name: str
     parts: Mapping[BodyPart, str]
     spine: tuple[str, ...]
-    """From below; the last, with a number in it, names all that follow."""
+    """Names of vertebrae from below; the last contains a number and names all that follow."""
     fingers: Mapping[FingerJoint, str]
 
     def vertebra(self, index: int) -> str:
-        """The name of the spine joint at ``index``, 1 right above the pelvis."""
+        """Name of the spine joint at ``index``; 1 is just above the pelvis."""
         pattern = self.spine[min(index, len(self.spine)) - 1]
         return pattern.format(n=index - 1, nn=f"{index:02}", nnn=f"{index:03}")
 
 
 @lru_cache(maxsize=1)
 def joint_namings() -> Mapping[str, JointNaming]:
-    """All tables by their key."""
+    """All naming tables by their key."""
     files = sorted((resources_folder() / "joint_names").glob("*.json"), key=lambda path: path.stem)
     return {path.stem: _naming(json.loads(path.read_text(encoding="utf-8"))) for path in files}
 
 
 def with_joint_names(capture: Capture, key: str) -> Capture:
-    """Capture with the names of one table; joints that are neither body parts nor fingers keep theirs.
+    """Capture with the joint names of one table; joints that are neither body parts nor fingers keep theirs.
 
     Raises StudioError if there is no such table, or no body map.
     """

@@ -1,6 +1,6 @@
-"""Positions of all joints in all frames, as a table (CSV) and as arrays (NPZ), for computations elsewhere.
+"""Positions and rotations of all joints in all frames, as a table (CSV) and as arrays (NPZ), for other computations.
 
-Metres and world axes, Z up; rotations as quaternions x, y, z, w.
+They are in metres and world axes, Z up; rotations are quaternions x, y, z, w.
 """
 
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ from studio.core.rotations import from_matrix, sign_continuous
 from studio.io.atomic_write import write_pieces
 from studio.io.export import Take
 from studio.io.registry import Progress
-from studio.io.zipped import npy, write_zip
+from studio.io.zipped import npy_file, write_zip
 
 FloatArray = NDArray[np.float64]
 
@@ -28,13 +28,15 @@ _POSED = 0.2
 
 def write_csv(path: Path, take: Take, progress: Progress) -> None:
     """Write a row for each frame: its time, seven numbers for each joint (``Hips.x``), and the residual of each
-    constraint. Residuals are metres or radians, empty where the constraint is inactive. Raises StudioError.
+    constraint.
+
+    Residuals are metres or radians, empty where the constraint is inactive. Raises StudioError.
     """
     write_pieces(path, _table(path, take, progress))
 
 
 def _table(path: Path, take: Take, progress: Progress) -> Iterator[bytes]:
-    """The titles, then some rows at a time."""
+    """Lines of the table in pieces: titles first, then rows."""
     residuals, times = _residuals(take), _times(take)
     titles = ["frame", "time", *(f"{name}.{axis}" for name in take.skeleton.names for axis in _AXES), *residuals]
     yield (",".join(map(_quoted, titles)) + "\n").encode()
@@ -48,10 +50,10 @@ def _table(path: Path, take: Take, progress: Progress) -> Iterator[bytes]:
 
 
 def write_npz(path: Path, take: Take, progress: Progress) -> None:
-    """Write arrays that ``numpy.load`` gives by name; no pickle.
+    """Write arrays that ``numpy.load`` returns by name, without pickle. Raises StudioError.
 
-    Raises StudioError. ``times`` (F,), ``joints`` (J,) names, ``parents`` (J,), ``offsets`` (J, 3), ``positions`` (F,
-    J, 3) and ``rotations`` (F, J, 4) in the world, ``local_rotations`` (F, J, 4), ``local_translations`` (F, J, 3),
+    They are ``times`` (F,), ``joints`` (J,) names, ``parents`` (J,), ``offsets`` (J, 3), ``positions`` (F, J, 3) and
+    ``rotations`` (F, J, 4) in the world, ``local_rotations`` (F, J, 4), ``local_translations`` (F, J, 3),
     ``constraints`` (C,) names and their ``residuals`` (C, F), NaN where inactive.
     """
     frames, joints = take.poses.frame_count, take.skeleton.joint_count
@@ -72,12 +74,12 @@ def write_npz(path: Path, take: Take, progress: Progress) -> None:
         "constraints": np.array(list(residuals), dtype=str),
         "residuals": np.array(list(residuals.values())).reshape(len(residuals), frames),
     }
-    members = {f"{name}.npy": npy(array) for name, array in arrays.items()}
+    members = {f"{name}.npy": npy_file(array) for name, array in arrays.items()}
     write_zip(path, members, 4, lambda share, text: progress(_POSED + (1.0 - _POSED) * share, text))
 
 
 def _world(take: Take) -> Iterator[tuple[slice, FloatArray, FloatArray]]:
-    """Places (N, J, 3) and rotations (N, J, 4), continuous in sign, of a run of frames after the other."""
+    """World positions (N, J, 3) and rotations (N, J, 4), continuous in sign, of successive runs of frames."""
     last = np.empty((0, take.skeleton.joint_count, 4))
     for run, poses in take.poses.runs(_ROWS):
         positions, matrices = joint_world(take.skeleton, poses)

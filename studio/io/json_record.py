@@ -13,7 +13,7 @@ _ABSURD = 1e12
 
 @dataclass(frozen=True)
 class Record:
-    """JSON object; ``where`` (``hero.glb, nodes[3]``) begins the sentence of every error."""
+    """JSON object of a foreign file; ``where`` (``hero.glb, nodes[3]``) begins the message of every error."""
 
     value: dict[str, Any]
     where: str
@@ -26,32 +26,32 @@ class Record:
         return StudioError(f"{self.where}: '{key}' should be {expected}. {_AGAIN}")
 
     def inner(self, key: str) -> "Record":
-        """The record under ``key``; an empty one where there is none."""
+        """Record under ``key``; an empty one if there is none."""
         value = self.value.get(key, {})
         if not isinstance(value, dict):
             raise self.value_error(key, "a record")
         return Record(value, f"{self.where}, {key}")
 
     def records(self, key: str) -> list["Record"]:
-        """The list of records under ``key``; empty where there is none."""
+        """Records in the list under ``key``; empty if there is none."""
         return [self._record_in(key, place, item) for place, item in enumerate(self._list(key))]
 
     def text(self, key: str, default: str = "") -> str:
-        """The words under ``key``."""
+        """Text under ``key``; ``default`` if there is none."""
         value = self.value.get(key, default)
         if not isinstance(value, str):
             raise self.value_error(key, "a text")
         return value
 
     def whole(self, key: str, default: int | None = None, least: int = 0) -> int:
-        """The whole number under ``key``, ``least`` or more."""
+        """Integer under ``key``, ``least`` or more."""
         value = self.value.get(key, default)
         if type(value) is not int or not least <= value < 2**53:
             raise self.value_error(key, f"a whole number of {least} or more")
         return value
 
     def index(self, key: str, count: int) -> int | None:
-        """An index below ``count``; None where there is none."""
+        """Index under ``key``, below ``count``; None if there is none."""
         if key not in self.value:
             return None
         value = self.whole(key)
@@ -60,7 +60,7 @@ class Record:
         return value
 
     def indices(self, key: str, count: int) -> list[int]:
-        """A list of indices below ``count``."""
+        """Indices in the list under ``key``, each below ``count``."""
         values = self._list(key)
         if any(type(value) is not int or not 0 <= value < count for value in values):
             raise self.value_error(key, f"a list of numbers below {count}")
@@ -75,18 +75,18 @@ class Record:
         return tuple(map(float, values))
 
     def number(self, key: str, default: float) -> float:
-        """One finite number."""
+        """Finite number under ``key``; ``default`` if there is none."""
         value = self.value.get(key, default)
         if not _is_number(value):
             raise self.value_error(key, "a believable number")
         return float(value)
 
     def flag(self, key: str) -> bool:
-        """True if ``key`` is true."""
+        """True if the value under ``key`` is true."""
         return self.value.get(key) is True
 
     def items(self) -> Iterator[tuple[str, "Record"]]:
-        """The records in this one, by key."""
+        """Records that are values of this one, by key."""
         for key in self.value:
             yield key, self.inner(key)
 

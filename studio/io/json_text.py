@@ -1,4 +1,4 @@
-"""JSON from any source: values that no file of the studio contains are refused while parsing."""
+"""Parsing of JSON from any source, which refuses values that no file of the studio contains."""
 
 import json
 import re
@@ -10,24 +10,24 @@ import numpy as np
 
 from studio.core.errors import StudioError
 from studio.io.atomic_write import write_text
-from studio.io.referenced_files import LARGEST_REFERENCED_FILE, read_bytes
+from studio.io.referenced_files import LARGEST_REFERENCED_BYTES, read_bytes
 
 Parse = Callable[[str], Any]
 JsonObject = dict[str, Any]
-"""A record of JSON, by field."""
+"""JSON object, by key."""
 
-DEEPEST_RECORD = 100
-"""Records within each other."""
-LONGEST_NUMBER = 1000
-"""Digits of a whole number."""
+MOST_JSON_DEPTH = 100
+"""Maximum depth of nested records."""
+MOST_INTEGER_DIGITS = 1000
+"""Maximum number of digits of an integer."""
 _ESCAPE, _STRING = re.compile(rb"\\.", re.DOTALL), re.compile(rb'"[^"]*"?')
 """Escapes and strings, left out before brackets are counted: brackets in names nest nothing."""
 _OPENING, _CLOSING = np.zeros((2, 256), dtype=np.int32)
 _OPENING[list(b"[{")] = _CLOSING[list(b"]}")] = 1
 
 
-def read_json(path: Path, largest: int = LARGEST_REFERENCED_FILE) -> Any:
-    """The JSON in an ordinary file of at most ``largest`` bytes. Raises StudioError naming it."""
+def read_json(path: Path, largest: int = LARGEST_REFERENCED_BYTES) -> Any:
+    """JSON value in an ordinary file of at most ``largest`` bytes. Raises StudioError, which names the file."""
     content = read_bytes(path, largest)
     try:
         return json_of(content)
@@ -36,12 +36,12 @@ def read_json(path: Path, largest: int = LARGEST_REFERENCED_FILE) -> Any:
 
 
 def json_of(content: bytes, parse_float: Parse | None = None, parse_constant: Parse | None = None) -> Any:
-    """Value in ``content``; ``parse_float`` and ``parse_constant`` as for ``json.loads``.
+    """JSON value in ``content``; ``parse_float`` and ``parse_constant`` are passed to ``json.loads``.
 
     Raises ValueError, also for deep nesting, lone surrogates and integers of excessive size.
     """
     kinds = np.frombuffer(_STRING.sub(b"", _ESCAPE.sub(b"", content)), dtype=np.uint8)
-    if np.cumsum(_OPENING[kinds] - _CLOSING[kinds]).max(initial=0) > DEEPEST_RECORD:
+    if np.cumsum(_OPENING[kinds] - _CLOSING[kinds]).max(initial=0) > MOST_JSON_DEPTH:
         raise ValueError("its records are nested too deeply")
     try:
         record = json.loads(content, parse_float=parse_float, parse_constant=parse_constant, parse_int=_whole)
@@ -53,7 +53,7 @@ def json_of(content: bytes, parse_float: Parse | None = None, parse_constant: Pa
 
 
 def _whole(text: str) -> int:
-    if len(text) > LONGEST_NUMBER:
+    if len(text) > MOST_INTEGER_DIGITS:
         raise ValueError(f"'{text[:20]}…' is not a believable number")
     return int(text)
 

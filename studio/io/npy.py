@@ -25,7 +25,7 @@ _HEADER = re.compile(
 
 
 def array_of(content: Content) -> Array:
-    """Read-only array over the bytes of an ``.npy`` file. Raises ValueError if they are not one."""
+    """Read-only array over the bytes of an ``.npy`` file. Raises ValueError if they are no such file."""
     header = _HEADER.match(content)
     if header is None:
         raise ValueError("it is not a plain array")
@@ -41,7 +41,7 @@ def array_of(content: Content) -> Array:
 
 
 def arrays_of(content: bytes, most: int) -> dict[str, Array]:
-    """The arrays of an ``.npz`` file by name, which unpack to ``most`` bytes together. Raises ValueError."""
+    """Arrays of an ``.npz`` file by name, which unpack to at most ``most`` bytes together. Raises ValueError."""
     return {name.removesuffix(".npy"): array_of(member) for name, member in unzipped_members(content, most).items()}
 
 
@@ -50,11 +50,11 @@ CHECKSUM_BYTES = 4
 
 @dataclass(frozen=True, eq=False)
 class StoredArray:
-    """An array that stays on disk until its ``values`` are read."""
+    """Array that stays on disk until its ``values`` are read."""
 
     values: Array
     checksum: int | None
-    """CRC-32 of the content before it; None in a file without one."""
+    """CRC-32 of the preceding content; None in a file without one."""
     content: Content
 
     def is_whole(self) -> bool:
@@ -74,7 +74,7 @@ def write_stored(path: Path, values: Array) -> None:
 
 
 def stored_array(path: Path) -> StoredArray:
-    """The array in a file of ``write_stored``, or in a plain ``.npy`` file. Raises OSError or ValueError."""
+    """Array in a file of ``write_stored``, or in a plain ``.npy`` file. Raises OSError or ValueError."""
     with open(path, "rb") as file:
         content = memoryview(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
     try:

@@ -1,4 +1,4 @@
-"""Numbers from text, strictly: words that are not plain decimal numbers are refused with their line.
+"""Strict parsing of numbers: words that are not plain decimal numbers are refused with their line.
 
 Programs write a missing value as a word (``nan``, ``1.#IND``, ``null``); tables may contain it, as NaN.
 """
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.threads import in_threads
+from studio.core.threads import run_in_threads
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+", re.ASCII)
@@ -37,19 +37,19 @@ def number(text: str, where: str) -> float:
     return value
 
 
-def parted(line: str) -> str:
-    """Line with a blank before every signed number that directly follows another one."""
+def separated_numbers(line: str) -> str:
+    """Line with a blank inserted before every signed number that directly follows another one."""
     return _GLUED.sub(" ", line)
 
 
-def parted_after_decimals(line: str) -> str:
-    """Line with a blank after every number, if all have as many decimals as the last one; else unchanged."""
+def separated_decimals(line: str) -> str:
+    """Line with a blank inserted after every number, if all have as many decimals as the last one; else unchanged."""
     words = re.findall(rf"[+-]?\d*\.\d{{{len(line.rstrip().rpartition('.')[2])}}}", line, re.ASCII)
     return " ".join(words) if "".join(words) == "".join(line.split()) else line
 
 
 def glued_words(name: str, lines: list[int]) -> list[str]:
-    """Sentence about the separation of glued numbers, if there is one."""
+    """Sentence about the separation of glued numbers in ``lines``, in a list; empty if there were none."""
     if not lines:
         return []
     more = f", as on {len(lines) - 1} more lines" if len(lines) > 1 else ""
@@ -68,7 +68,7 @@ def filled_in_time(course: NDArray[np.float64], period: float | None = None) -> 
 
 
 def not_a_number(text: str, where: str) -> StudioError:
-    """The sentence for a word that should have been a number."""
+    """Error for a word that should have been a number."""
     if _DECIMAL_COMMA.fullmatch(text):
         hint = "Commas seem to be decimals: export the file again with decimal points."
     else:
@@ -77,9 +77,10 @@ def not_a_number(text: str, where: str) -> StudioError:
 
 
 def lines_of(content: bytes, start: int = 0) -> list[bytes]:
-    """Lines from byte ``start`` on, with any line ends, without these; one more, empty, if the last has one.
+    """Lines of ``content`` from byte ``start`` on, without their line ends; an empty one more if the last has a line
+    end.
 
-    Split piece by piece, so that other threads are never blocked for long.
+    The content is split in pieces, so that other threads are never blocked for long.
     """
     ended = content.endswith((b"\n", b"\r")) or start >= len(content)
     end = b"\n" if content.find(b"\n", start) >= 0 else b"\r"
@@ -92,7 +93,7 @@ def lines_of(content: bytes, start: int = 0) -> list[bytes]:
 
 
 def count_per_line(lines: list[bytes]) -> NDArray[np.int64]:
-    """Count of the words of each line."""
+    """Number of words in each line."""
     from studio.core.kernels.decimals import count_words  # late: it loads numba
 
     counts = np.zeros(len(lines), dtype=np.int64)
@@ -101,7 +102,7 @@ def count_per_line(lines: list[bytes]) -> NDArray[np.int64]:
     def count(start: int) -> None:
         count_words(_as_bytes(b"\n".join(lines[start : start + step])), counts[start : start + step])
 
-    for _ in in_threads(count, range(0, len(lines), step)):
+    for _ in run_in_threads(count, range(0, len(lines), step)):
         pass
     return counts
 
@@ -109,10 +110,11 @@ def count_per_line(lines: list[bytes]) -> NDArray[np.int64]:
 def table(
     lines: list[bytes], counts: NDArray[np.int64], name: str, first_line: int, progress: Callable[[float], object]
 ) -> NDArray[np.float64]:
-    """All numbers of ``lines``, flat, ``counts`` in each; ``first_line`` is their first line in file ``name``.
+    """All numbers of ``lines``, flat, with ``counts`` in each line; ``first_line`` is the first line's number in file
+    ``name``.
 
-    NaN for a missing value. ``progress`` is called with the fraction that is read. Raises StudioError at the first
-    other word that is not a plain, plausible number.
+    A missing value is NaN. ``progress`` is called with the fraction that is read. Raises StudioError at the first other
+    word that is not a plain, plausible number.
     """
     ends = np.concatenate([[0], np.cumsum(counts)])
     values = np.empty(int(ends[-1]))
@@ -122,7 +124,7 @@ def table(
         end = min(start + step, len(lines))
         _read(lines[start:end], values[ends[start] : ends[end]], name, first_line + start)
 
-    for done in in_threads(read, range(0, len(lines), step)):
+    for done in run_in_threads(read, range(0, len(lines), step)):
         progress(done)
     return values
 

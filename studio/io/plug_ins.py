@@ -29,27 +29,27 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Verb:
-    """A verb of the command line: ``morpho-studio NAME``, with the name of its entry point."""
+    """Verb of the command line, added by a plug-in: ``morpho-studio NAME``, with the name of its entry point."""
 
     summary: str
-    """One line for ``--help``."""
+    """Line for ``--help``."""
     add_arguments: Callable[[ArgumentParser], object]
     run: Callable[[Namespace], int]
-    """Do the work and return the exit code; raises StudioError."""
+    """Function that does the work and returns the exit code; it raises StudioError."""
 
 
 @dataclass(frozen=True)
 class Panel:
-    """A panel of the window, in its menu *View*."""
+    """Panel of the window, added by a plug-in to the menu *View*."""
 
     title: str
     make: Callable[[Any], Any]
-    """``(scene: studio.api.Scene) -> QWidget``: the panel on the open project; what it changes are undo steps."""
+    """``(scene: studio.api.Scene) -> QWidget``: makes the panel for the open project; its changes are undo steps."""
 
 
 @dataclass(frozen=True)
 class PlugInEntry:
-    """Entry point that is not loaded yet."""
+    """Entry point of a plug-in that is not loaded yet."""
 
     entry: EntryPoint
     words: str
@@ -57,16 +57,16 @@ class PlugInEntry:
 
     @property
     def name(self) -> str:
-        """The name that the package gives it."""
+        """Name that the package gives the entry point."""
         return self.entry.name
 
     @property
     def package(self) -> str:
-        """The package that offers it."""
+        """Name of the package that has the entry point."""
         return self.entry.dist.name if self.entry.dist else self.entry.value
 
     def load(self, accepted: Callable[[Any], T]) -> T:
-        """Load the object and return the result of ``accepted``; raises StudioError for any error of the package."""
+        """Load the object and return the result of ``accepted``. Raises StudioError for any error of the package."""
         try:
             return accepted(self.entry.load())
         except Exception as error:  # another's code may raise anything
@@ -77,7 +77,7 @@ class PlugInEntry:
 
 @dataclass(frozen=True)
 class LoadedPlugIns(Generic[T]):
-    """Loaded objects of a group, and one sentence for each failure."""
+    """Loaded plug-ins of a group, and one error message for each that failed."""
 
     found: tuple[T, ...]
     failures: tuple[str, ...]
@@ -85,18 +85,18 @@ class LoadedPlugIns(Generic[T]):
 
 @cache
 def entry_points(group: str) -> EntryPoints:
-    """Entry points of a group, found once: that reads a file of every installed package."""
+    """Entry points of a group, found only once because the search reads a file of every installed package."""
     return metadata.entry_points(group=group)
 
 
 def plug_in_entries(group: str) -> Iterator[PlugInEntry]:
-    """The entry points of a group; nothing of their packages is imported."""
+    """Entry points of a group; nothing of their packages is imported."""
     words = group.rpartition(".")[2].removesuffix("s")
     return (PlugInEntry(entry, words) for entry in entry_points(group=group))
 
 
 def load_all(group: str, accepted: Callable[[Any], T]) -> LoadedPlugIns[T]:
-    """Offers of a group of entry points, loaded and checked by ``accepted``; errors are returned, never raised."""
+    """Plug-ins of a group, loaded and checked by ``accepted``; errors are returned, never raised."""
     found: list[T] = []
     failures: list[str] = []
     for offer in plug_in_entries(group):
@@ -108,21 +108,21 @@ def load_all(group: str, accepted: Callable[[Any], T]) -> LoadedPlugIns[T]:
 
 
 def verb_of(value: Any) -> Verb:
-    """``value`` where it is a verb; raises StudioError."""
+    """``value`` if it is a verb. Raises StudioError if it is not."""
     if not isinstance(value, Verb):
         raise StudioError(f"{value!r:.60} is not a studio.api.Verb.")
     return value
 
 
 def panel_of(value: Any) -> Panel:
-    """``value`` where it is a panel; raises StudioError."""
+    """``value`` if it is a panel. Raises StudioError if it is not."""
     if not isinstance(value, Panel):
         raise StudioError(f"{value!r:.60} is not a studio.api.Panel.")
     return value
 
 
 def kind_of(value: Any) -> ConstraintKind:
-    """``value`` registered as a kind of constraint; raises StudioError or ValueError where it is none."""
+    """``value``, after it is registered as a kind of constraint. Raises StudioError or ValueError if it is none."""
     if not isinstance(value, ConstraintKind):
         raise StudioError(f"{value!r:.60} is not a studio.api.ConstraintKind.")
     kind = value.value
@@ -136,7 +136,7 @@ def kind_of(value: Any) -> ConstraintKind:
 
 
 def measure_of_plug_in(value: Any) -> MotionMeasure:
-    """``value`` registered as a measure; raises StudioError or ValueError where it is none."""
+    """``value``, after it is registered as a measure. Raises StudioError or ValueError if it is none."""
     if not isinstance(value, MotionMeasure):
         raise StudioError(f"{value!r:.60} is not a studio.api.MotionMeasure.")
     return add_measure(value)
@@ -144,6 +144,8 @@ def measure_of_plug_in(value: Any) -> MotionMeasure:
 
 @cache
 def load_registered() -> tuple[str, ...]:
-    """Register the kinds of constraint and the measures of all packages, once; a sentence for each that failed."""
+    """Register the kinds of constraint and the measures of all packages, once; return an error message for each that
+    failed.
+    """
     kinds, measures = load_all(CONSTRAINTS_GROUP, kind_of), load_all(MEASURES_GROUP, measure_of_plug_in)
     return kinds.failures + measures.failures

@@ -11,7 +11,7 @@ from studio.io.atomic_write import new_folder, write_atomically
 
 
 def png_bytes(pixels: NDArray[np.uint8]) -> bytes:
-    """A picture of (height, width, 4) RGBA bytes as a PNG file."""
+    """Bytes of a PNG file with ``pixels`` (height, width, 4) RGBA."""
     from PIL import Image  # late: only few verbs draw
 
     content = BytesIO()
@@ -25,9 +25,9 @@ def write_png(path: Path, pixels: NDArray[np.uint8]) -> None:
 
 
 def write_pictures(folder: Path, frames: Iterable[NDArray[np.uint8]]) -> None:
-    """A new folder of pictures ``name_0001.png`` and on, one a frame; it appears whole or not at all.
+    """Write frames as pictures ``name_0001.png`` and on into a new folder, which appears whole or not at all.
 
-    Raises StudioError when there is something in it already, or it cannot be written.
+    Raises StudioError if the folder is not empty, or cannot be written.
     """
     with new_folder(folder) as part:
         for number, pixels in enumerate(frames, 1):

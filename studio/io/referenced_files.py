@@ -1,4 +1,4 @@
-"""Files that another file names: only those in its own folder are ever opened."""
+"""Files that another file refers to: only those in the folder of that file are ever opened."""
 
 import base64
 import binascii
@@ -10,10 +10,10 @@ from urllib.parse import unquote
 
 from studio.core.errors import StudioError
 
-LARGEST_REFERENCED_FILE = 500_000_000
-"""Bytes of one file; more is refused unread."""
-SNIFFED = 4096
-"""Bytes that tell what a file is."""
+LARGEST_REFERENCED_BYTES = 500_000_000
+"""Maximum size of a file in bytes; a larger one is refused unread."""
+SNIFFED_BYTES = 4096
+"""Number of bytes at the begin of a file by which its format is recognised."""
 
 
 _POINTERS = (b"version https://git-lfs.github.com/spec/", b"/annex/objects/")
@@ -41,7 +41,7 @@ _TAR_AT = 257
 def refuse_archive(name: str, head: bytes, own: Set[str]) -> None:
     """Raise StudioError if the file ``name``, which begins with ``head``, is an archive of other files.
 
-    Kinds in ``own`` are accepted for a format whose files may be such archives.
+    Kinds in ``own`` are accepted, for a format whose files may be such archives.
     """
     kinds = [kind for kind, begin in _ARCHIVES.items() if head.startswith(begin)]
     if head[_TAR_AT:].startswith(b"ustar"):
@@ -63,9 +63,7 @@ def refuse_stand_in(name: str, head: bytes) -> None:
 
 
 def refuse_devices(path: Path) -> None:
-    """Raise StudioError if ``path`` is a pipe, a device or a folder, since reading might never end, or
-    no file's name.
-    """
+    """Raise StudioError if ``path`` is a pipe, a device, a folder or no valid name; reading might never end."""
     try:
         ordinary = S_ISREG(path.stat().st_mode)
     except FileNotFoundError:
@@ -77,7 +75,7 @@ def refuse_devices(path: Path) -> None:
         raise StudioError(f"{path.name} could not be read: it is not an ordinary file. Choose another.")
 
 
-def read_bytes(path: Path, largest: int = LARGEST_REFERENCED_FILE) -> bytes:
+def read_bytes(path: Path, largest: int = LARGEST_REFERENCED_BYTES) -> bytes:
     """Content of an ordinary file. Raises StudioError if it is none, is too large or cannot be read."""
     refuse_devices(path)
     try:
@@ -93,9 +91,9 @@ def read_bytes(path: Path, largest: int = LARGEST_REFERENCED_FILE) -> bytes:
 
 
 def content_of(uri: str, beside: Path, where: str) -> bytes:
-    """Bytes at ``uri``: inside itself (``data:``), or in a file of the folder of ``beside``.
+    """Bytes at ``uri``, which contains them (``data:``), or names a file in the folder of ``beside``.
 
-    Raises StudioError that begins with ``where`` if it leads out of the folder or holds nothing readable.
+    Raises StudioError, which begins with ``where``, if it leads out of the folder or is not readable.
     """
     if uri.startswith("data:"):
         head, _, body = uri.partition(",")
@@ -107,12 +105,12 @@ def content_of(uri: str, beside: Path, where: str) -> bytes:
             raise StudioError(f"{where}: its base64 data are damaged. Export the file again.") from error
     path = path_beside(uri, beside, where)
     content = read_bytes(path)
-    refuse_stand_in(path.name, content[:SNIFFED])
+    refuse_stand_in(path.name, content[:SNIFFED_BYTES])
     return content
 
 
 def path_beside(uri: str, beside: Path, where: str) -> Path:
-    """File in the folder of ``beside``, or below it, named by ``uri``; StudioError if it leads elsewhere."""
+    """Path of the file ``uri`` in the folder of ``beside``, or below it. Raises StudioError if it leads elsewhere."""
     name = unquote(uri)
     shown = name if len(name) < 80 else f"{name[:80]}…"
     windows = PureWindowsPath(name)

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 from studio.core.captures.annotations import Annotations
 from studio.core.errors import StudioError
-from studio.core.plausible import BONE_RANGE, TRAVEL
+from studio.core.plausible import BONE_RANGE, TRAVEL_RANGE
 from studio.io import plug_ins
-from studio.io.referenced_files import SNIFFED, refuse_archive, refuse_devices, refuse_stand_in
+from studio.io.referenced_files import SNIFFED_BYTES, refuse_archive, refuse_devices, refuse_stand_in
 
 if TYPE_CHECKING:
     from studio.core.captures.capture import Capture, Guess
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from studio.io.takes.exported_stage import ExportedStage
 
 Progress = Callable[[float, str], None]
-"""Hears a share from 0 to 1 and what is being done; it raises to cancel."""
+"""Callback for a fraction from 0 to 1 and the current activity; it may raise an exception to cancel."""
 
 _EARLIER = "It was written for an earlier version of the studio: docs/formats.md tells what a format is now."
 
@@ -41,55 +41,60 @@ class ImportReport:
 
 @dataclass(frozen=True)
 class ReadCapture:
-    """Capture from a file with all annotations in it, read in one pass."""
+    """Capture read from a file with all its annotations, in one pass."""
 
     capture: "Capture"
-    """In world axes and metres."""
+    """Capture in world axes and metres."""
     annotations: Annotations = Annotations()
-    """Contacts, constraints and labels that the file holds; they refer to no motion yet."""
+    """Contacts, constraints and labels in the file; they refer to no motion yet."""
     interpret: "Callable[[ImportOptions, Progress], Capture] | None" = None
-    """Make the capture anew with other options, without reading the file again; None where that takes the file."""
+    """Function that makes the capture again with other options, without reading the file; None if the file
+    is needed.
+    """
 
     @property
     def report(self) -> ImportReport:
-        """Assumptions and repairs, which stay with the capture."""
+        """Assumptions and repairs of the capture."""
         return ImportReport(self.capture.guesses, self.capture.repairs)
 
 
 @dataclass(frozen=True)
 class ReadCharacter:
-    """Character from a file, with assumptions and repairs made while reading it."""
+    """Character read from a file, with the assumptions and repairs made."""
 
     character: "Character"
     guesses: tuple["Guess", ...] = ()
     repairs: tuple[str, ...] = ()
     joints: Mapping[str, str] = field(default_factory=dict)
-    """The file's own joints by part, where it has joints of its own."""
+    """Names of the file's own joints by part, if it has joints."""
     moves: bool = False
-    """True if the file holds a motion too, to be read as a capture."""
+    """True if the file also holds a motion, which can be read as a capture."""
 
 
 @dataclass(frozen=True)
 class Format:
-    """File format.
+    """File format: its suffixes, and the functions that recognise, read and write it.
 
-    Each job is a function as ``module:function``, imported when first needed; empty if not supported. All raise
+    Each function is given as ``module:function``, and imported when first needed; an empty text is for none. All raise
     StudioError with file, place and what to do. A reader returns its guesses and repairs with the content; a writer
-    leaves the whole file or none (``studio.io.atomic_write``).
+    writes the whole file or none (``studio.io.atomic_write``).
     """
 
     name: str
     suffixes: tuple[str, ...]
-    """In lower case, with their dot."""
+    """Suffixes in lower case, with their dot."""
     sniff: str = ""
-    """``(head: bytes) -> bool``: whether a file that begins with these bytes is one; for a module light to import."""
+    """``(head: bytes) -> bool``: True if a file that begins with these bytes has this format; in a module that is light
+    to import.
+    """
     capture_reader: str = ""
     """``(path, options: ImportOptions, progress: Progress) -> ReadCapture``."""
     character_reader: str = ""
     """``(path, options: ImportOptions, progress: Progress) -> ReadCharacter``."""
     reader: str = ""
-    """``(path, options, progress) -> ReadCapture | ReadCharacter``, for a kind that has both of the above: what a file
-    holds decides. Without it every file of such a kind is a character."""
+    """``(path, options, progress) -> ReadCapture | ReadCharacter``, for a format with both readers: the content of the
+    file decides. Without it every file of such a format is read as a character.
+    """
     motion_writer: str = ""
     """``(path, take: Take, progress: Progress) -> None``."""
     stage_writer: str = ""
@@ -97,7 +102,9 @@ class Format:
     character_writer: str = ""
     """``(path, character: Character, progress: Progress) -> None``."""
     packed: str = ""
-    """Kind of archive that its own files may be, ``gzip`` or ``ZIP``: its reader says what is wrong with one."""
+    """Kind of archive, ``gzip`` or ``ZIP``, that files of this format may be; its reader reports what is wrong with
+    one.
+    """
 
     @property
     def reads(self) -> list[str]:
@@ -110,22 +117,22 @@ class Format:
         return [what for what in ("motion", "stage", "character") if getattr(self, f"{what}_writer")]
 
     def recognises(self, head: bytes) -> bool:
-        """True if a file that begins with ``head`` is one of this kind."""
+        """True if a file that begins with ``head`` has this format."""
         return bool(self.sniff) and bool(self._function("sniff")(head))
 
     def read(self, path: Path, options: "ImportOptions", progress: Progress) -> ReadCapture | ReadCharacter:
-        """The capture or the character that the file at ``path`` holds; raises StudioError."""
+        """Capture or character in the file at ``path``. Raises StudioError."""
         if not self.reader:
             return (self.read_character if self.character_reader else self.read_capture)(path, options, progress)
         read: ReadCapture | ReadCharacter = self._function("reader")(path, options, progress)
         return read if isinstance(read, ReadCharacter) else self._checked(read, path)
 
     def read_capture(self, path: Path, options: "ImportOptions", progress: Progress) -> ReadCapture:
-        """The capture in the file at ``path`` with what the file says of its motion; raises StudioError."""
+        """Capture in the file at ``path`` with its annotations. Raises StudioError."""
         return self._checked(self._function("capture_reader")(path, options, progress), path)
 
     def read_character(self, path: Path, options: "ImportOptions", progress: Progress) -> ReadCharacter:
-        """The character in the file at ``path``; raises StudioError."""
+        """Character in the file at ``path``. Raises StudioError."""
         read: ReadCharacter = self._function("character_reader")(path, options, progress)
         return read
 
@@ -146,15 +153,15 @@ class Format:
         return replace(read, interpret=interpret)
 
     def write_motion(self, path: Path, take: "Take", progress: Progress) -> None:
-        """Write the whole file or none of it; raises StudioError."""
+        """Write the motion of a take, the whole file or none of it. Raises StudioError."""
         self._function("motion_writer")(path, take, progress)
 
     def write_stage(self, path: Path, stage: "ExportedStage", progress: Progress) -> None:
-        """Write the whole file or none of it; raises StudioError."""
+        """Write a stage, the whole file or none of it. Raises StudioError."""
         self._function("stage_writer")(path, stage, progress)
 
     def write_character(self, path: Path, character: "Character", progress: Progress) -> None:
-        """Write the whole file or none of it; raises StudioError."""
+        """Write a character, the whole file or none of it. Raises StudioError."""
         self._function("character_writer")(path, character, progress)
 
     def _function(self, job: str) -> Callable[..., Any]:
@@ -283,20 +290,20 @@ def _check_size(capture: "Capture", path: Path) -> None:
     try:
         BONE_RANGE.check(capture.skeleton.offsets[1:])
         BONE_RANGE.check(capture.poses.local_translations[:, 1:])
-        TRAVEL.check(capture.poses.local_translations[:, 0])
+        TRAVEL_RANGE.check(capture.poses.local_translations[:, 0])
     except ValueError as error:
         raise StudioError(f"{path.name}: {error} Export it in its right unit, or say which that is.") from error
 
 
 @dataclass(frozen=True)
 class KnownFormats:
-    """Known formats, and one sentence for each entry point that failed."""
+    """All known formats, and one error message for each entry point that failed."""
 
     formats: tuple[Format, ...]
     failures: tuple[str, ...]
 
     def that_can(self, job: str) -> tuple[Format, ...]:
-        """Formats with a function for ``job``, a field of ``Format`` (``capture_reader``)."""
+        """Formats with a function for ``job``, which is a field of ``Format`` such as ``capture_reader``."""
         return tuple(known for known in self.formats if getattr(known, job))
 
     def suffixes(self, *jobs: str) -> tuple[str, ...]:
@@ -307,7 +314,7 @@ class KnownFormats:
 
 @lru_cache(maxsize=1)
 def known_formats() -> KnownFormats:
-    """Built-in and installed formats; never raises."""
+    """Built-in and installed formats; failures are listed, never raised."""
     names = {known.name for known in OWN_FORMATS}
 
     def accepted(added: object) -> Format:
@@ -325,22 +332,23 @@ def known_formats() -> KnownFormats:
 
 @dataclass(frozen=True)
 class Recognised:
-    """The format of a file, and the SHA-256 of its content in hexadecimal digits."""
+    """Format of a file, and the SHA-256 of its content in hexadecimal digits."""
 
     format: Format
     digest: str
 
 
 def format_of(path: Path, *jobs: str) -> Format:
-    """Format of a file that supports one of ``jobs``, by its first bytes, else by its suffix; else StudioError.
+    """Format of a file that supports one of ``jobs``, recognised by its first bytes, else by its suffix.
 
-    Formats of the suffix are tried first, so that no other one is imported needlessly.
+    Formats of the suffix are tried first, so that no other one is imported needlessly. Raises StudioError if there is
+    none.
     """
     return recognise(path, *jobs).format
 
 
 def recognise(path: Path, *jobs: str) -> Recognised:
-    """``format_of`` a file and the digest of its content, from one pass over its bytes."""
+    """Format of a file that supports one of ``jobs``, and the digest of its content, from one pass over its bytes."""
     head, digest = _head_and_digest(path)
     return Recognised(_format_of(path, head, jobs), digest)
 
@@ -372,7 +380,7 @@ def _head_and_digest(path: Path) -> tuple[bytes, str]:
     refuse_devices(path)
     try:
         with path.open("rb") as file:
-            head = file.read(SNIFFED)
+            head = file.read(SNIFFED_BYTES)
             file.seek(0)
             return head, hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:

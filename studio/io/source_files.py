@@ -1,4 +1,4 @@
-"""Source files that have moved: found by their content, else by their name."""
+"""Search for source files that have moved, by their content, else by their name."""
 
 import hashlib
 from collections.abc import Iterable, Iterator
@@ -7,24 +7,24 @@ from pathlib import Path
 
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.io.referenced_files import LARGEST_REFERENCED_FILE
+from studio.io.referenced_files import LARGEST_REFERENCED_BYTES
 from studio.io.registry import Progress, known_formats
 
-MOST_FILES = 2000
-"""Files of one search; the folders that are known are the user's own, and may hold anything."""
+MOST_SEARCHED_FILES = 2000
+"""Maximum number of files of one search; known folders are the user's own, and may be large."""
 
 
 class SourceMissing(StudioError):  # noqa: N818 - it names what is the case
-    """File of a capture that was not found anywhere."""
+    """Error: the source file of a capture was not found."""
 
 
 @dataclass(frozen=True)
 class SourceFile:
-    """File with the name and the content of a capture's source, or only with one of them."""
+    """File with the name and the content of a capture's source, or with only one of them."""
 
     path: Path
     digest: str
-    """SHA-256 of its content in hexadecimal digits."""
+    """SHA-256 of the content in hexadecimal digits."""
 
 
 def digest_of(path: Path) -> str:
@@ -39,11 +39,11 @@ def digest_of(path: Path) -> str:
 def find_source(capture: Capture, known: Path | None, folders: Iterable[Path], progress: Progress) -> SourceFile:
     """File with the content of a capture's source, else one with its name.
 
-    Searched are ``known``, its former path, then files in ``folders`` and their subfolders: those of its name first,
-    then other captures. Raises SourceMissing if there is neither.
+    The search covers ``known``, its former path, then ``folders`` and their subfolders: files with its name first, then
+    other captures. Raises SourceMissing if there is none.
     """
     name, digest = capture.source, capture.digest
-    files = list(dict.fromkeys(_files(folders)))[:MOST_FILES]
+    files = list(dict.fromkeys(_files(folders)))[:MOST_SEARCHED_FILES]
     called = [
         *([known] if known is not None and known.is_file() else ()),
         *(each for each in files if each.name == name),
@@ -52,7 +52,7 @@ def find_source(capture: Capture, known: Path | None, folders: Iterable[Path], p
     for place, path in enumerate(dict.fromkeys([*called, *alike]) if digest else ()):
         progress(place / (len(called) + len(files)), f"Looking for {name}")
         try:
-            if path.stat().st_size <= LARGEST_REFERENCED_FILE and digest_of(path) == digest:
+            if path.stat().st_size <= LARGEST_REFERENCED_BYTES and digest_of(path) == digest:
                 return SourceFile(path, digest)
         except (OSError, StudioError):
             continue  # what cannot be read is not what is looked for

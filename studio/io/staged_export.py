@@ -22,15 +22,17 @@ from studio.io.export import Take, take_of_adapted
 
 
 def file_name(project: Project, performer_id: str, suffix: str = ".bvh") -> str:
-    """``front_kick tall man.bvh``: the motion, or the first of several, and its performer."""
+    """File name for a performer's motion: its first motion and its name, such as ``front_kick tall man.bvh``."""
     performer = project.performers[performer_id]
     motion = project.motions[performer.clips[0].motion_id]
     return safe_name(f"{motion.name} {performer.name.lower()}{suffix}")
 
 
 def take_of_performer(project: Project, performer_id: str, performance: Performance, *, along: bool = False) -> Take:
-    """Take of one performer on its character; with ``along`` it has the other joints of its only unchanged clip, or
-    else the fingers of its captures, and the character's own fingers move.
+    """Take of one performer on its character.
+
+    With ``along`` it has the extra joints of its only unchanged clip, or else the fingers of its captures, and the
+    character's own fingers move.
     """
     performer = project.performers[performer_id]
     character = project.characters[performer.character_id]
@@ -91,7 +93,7 @@ def labels_played(project: Project, performer_id: str) -> tuple[Label, ...]:
 
 
 def other_joints(capture: Capture) -> tuple[str, ...]:
-    """Capture's joints that can be transferred to a character."""
+    """Names of the capture's extra joints that can be transferred to a character."""
     if capture.body_map is None:
         return ()
     skeleton = capture.skeleton

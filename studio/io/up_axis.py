@@ -20,11 +20,13 @@ _Z = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 _X = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 _ABOUT_X, _ABOUT_Y = np.diag([1.0, -1.0, -1.0]), np.diag([-1.0, 1.0, -1.0])
 FILE_AXES = MappingProxyType({"Y": _Y, "Z": _Z, "X": _X, "-Y": _Y @ _ABOUT_X, "-Z": _Z @ _ABOUT_X, "-X": _X @ _ABOUT_Y})
-"""File axes to world axes by the axis that is up; the file's usual front (+Z, -Y, +Y) becomes +X, or lies half a turn
-about a level axis from there."""
+"""Rotation from file axes to world axes by up axis; the file's usual front (+Z, -Y, +Y) becomes +X, or is half a turn
+about a level axis from it.
+"""
 BVH_UP_PRIOR = MappingProxyType({"Y": 0.2, "Z": 0.15, "-Y": -0.1, "-Z": -0.05, "-X": -0.05})
+"""Prior of each up axis in the score, for BVH files."""
 C3D_UP_PRIOR = MappingProxyType({"Z": 0.2, "Y": 0.15})
-"""Prior of an axis among files that do not say theirs, in units of the score."""
+"""Prior of each up axis in the score, for marker files that do not state theirs."""
 _SAID = 0.6
 """The same for the axis that the format, or the file, says."""
 _AT_REST, _SUPPORTED = 0.4, 2.0
@@ -48,7 +50,10 @@ _DOUBTFUL = 0.3
 
 @dataclass(frozen=True, eq=False)
 class BodyPoints:
-    """Pairs of points (2, F, 2, 3) left and right, in a frame and the next one; ``everything`` (2, F, P, 3)."""
+    """Pairs of points (2, F, 2, 3), left and right, of a body in F frames and in the frames that follow them.
+
+    ``everything`` (2, F, P, 3) has all points.
+    """
 
     shoulders: FloatArray
     hips: FloatArray
@@ -59,7 +64,9 @@ class BodyPoints:
 
     @classmethod
     def of_joints(cls, positions: FloatArray, body_map: BodyMap) -> Self:
-        """Those of a body map; ``positions`` (2, F, J, 3) of all joints in some frames and the ones after them."""
+        """Points of the joints in a body map; ``positions`` (2, F, J, 3) are in some frames and the frames that follow
+        them.
+        """
 
         def pair(part: str) -> FloatArray:
             return positions[:, :, [body_map[BodyPart[f"{side}_{part}"]] for side in ("LEFT", "RIGHT")]]
@@ -76,8 +83,8 @@ class BodyPoints:
         return max(float(np.nanmean(bones)), 1e-9)
 
 
-def axis_called(text: str) -> str:
-    """Name in ``FILE_AXES``, or unit direction ``x y z``, given by a user. Raises StudioError."""
+def parse_axis(text: str) -> str:
+    """Up axis that the user typed: a name in ``FILE_AXES``, or a unit direction ``x y z``. Raises StudioError."""
     name = text.strip().upper().removeprefix("+")
     if name in FILE_AXES:
         return name
@@ -93,11 +100,10 @@ def axis_called(text: str) -> str:
 
 
 def turn_to_world(up_axis: str) -> FloatArray:
-    """(3, 3) rotation from file axes to world axes, by a name of ``FILE_AXES`` or a direction ``x y z``.
-
-    Raises StudioError.
+    """Rotation (3, 3) from file axes to world axes, by a name in ``FILE_AXES`` or a direction ``x y z``. Raises
+    StudioError.
     """
-    name = axis_called(up_axis)
+    name = parse_axis(up_axis)
     if name in FILE_AXES:
         return FILE_AXES[name]
     direction = normalized(np.array([float(word) for word in name.split()]))
@@ -108,10 +114,10 @@ def turn_to_world(up_axis: str) -> FloatArray:
 def guess_up_axis(
     body: BodyPoints, usual: dict[str, float] | MappingProxyType[str, float], rest: FloatArray | None = None
 ) -> Guess:
-    """Guess of the up direction of a file, by the standing and moving body, ``usual`` axes and the rest pose.
+    """Guess of the up direction of a file, by the standing and moving body, the priors ``usual`` and the rest pose.
 
-    ``rest`` (3,) is the direction from ankles to shoulders at rest. The highest score of the six axes wins: the body
-    stands upright along it, is above the parts that rest on the ground, and these keep their height, near zero.
+    ``rest`` (3,) is the direction from ankles to shoulders at rest. The axis with the highest score wins: along it the
+    body stands upright and is above the parts that rest on the ground, and these keep their height, near zero.
     """
     names, axes = list(FILE_AXES), np.array([turn[2] for turn in FILE_AXES.values()])
     along, straight = _standing(body)
@@ -145,9 +151,9 @@ def guess_up_axis(
 
 
 def _standing(body: BodyPoints) -> tuple[FloatArray, FloatArray]:
-    """Directions (F, 3) from ankles to shoulders, and (F,) how straight the body stands on its soles, 0 to 1.
+    """Directions (F, 3) from ankles to shoulders, and straightness (F,) from 0 to 1 of the body standing on its soles.
 
-    One that crawls is bent at its hips; one that lies stretches its feet.
+    A crawling body is bent at its hips; a lying one stretches its feet.
     """
     shoulders, hips, ankles = (pair[0].mean(axis=1) for pair in (body.shoulders, body.hips, body.ankles))
     straight = np.clip(np.einsum("fi,fi->f", normalized(shoulders - hips), normalized(hips - ankles)), 0.0, 1.0) ** 2
@@ -159,8 +165,8 @@ def _standing(body: BodyPoints) -> tuple[FloatArray, FloatArray]:
 
 
 def _supported(body: BodyPoints) -> FloatArray | None:
-    """(3,) mean vector, in leg lengths, from the parts that rest in a frame to the middle of the body; None for a root
-    at rest.
+    """Mean vector (3,), in leg lengths, from the parts that rest in a frame to the middle of the body; None if the root
+    never moves.
     """
     if np.ptp(body.hips[0].mean(axis=1), axis=0).max() < _TRAVELS * body.leg:
         return None
@@ -175,9 +181,10 @@ def _supported(body: BodyPoints) -> FloatArray | None:
 
 
 def _tilted(body: BodyPoints, along: FloatArray, straight: NDArray[np.bool_]) -> FloatArray | None:
-    """(3,) up direction if no axis is up: that of the standing body, perpendicular to its travel and its rests.
+    """Up direction (3,) if no axis is up: that of the standing body, perpendicular to its travel and to its resting
+    points.
 
-    A camera's tilt is constant through the take; that of a leaning body is not.
+    The tilt of a camera is constant through the take; that of a leaning body is not. None if there is no such tilt.
     """
     if straight.mean() < 0.5 or len(along) < _FEWEST:
         return None
@@ -201,8 +208,8 @@ def _tilted(body: BodyPoints, along: FloatArray, straight: NDArray[np.bool_]) ->
     return up if leans > _LEAST_TILT and agrees < _AGREED else None
 
 
-def stated_axis(name: str) -> dict[str, float]:
-    """``usual`` axes of a file that gives its up axis."""
+def stated_axis_prior(name: str) -> dict[str, float]:
+    """Priors ``usual`` for a file that states its up axis."""
     return {name: _SAID}
 
 

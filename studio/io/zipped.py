@@ -18,8 +18,8 @@ from studio.io.registry import Progress
 _PIECE = 1 << 20
 _ALIGNMENT, _HEADER = 64, 30
 _FIELD, _UNREAD = struct.Struct("<HH"), 0x1986
-LONGEST_REASON = 200
-"""Characters of what zipfile says; it quotes what may be all the rest of the file."""
+MOST_REASON_CHARACTERS = 200
+"""Maximum number of characters of an error message of zipfile, which may quote the rest of the file."""
 _DAMAGE = (
     *(zipfile.BadZipFile, zlib.error, lzma.LZMAError, struct.error, EOFError, OSError),
     *(KeyError, OverflowError, NotImplementedError, RuntimeError, MemoryError),
@@ -34,8 +34,8 @@ class UnpacksTooFarError(ValueError):
 def write_zip(path: Path, members: Mapping[str, bytes], level: int | None, progress: Progress) -> None:
     """Write ``members``, deflated at ``level`` (0 to 9), whole or not at all; equal members give equal bytes.
 
-    Without a level they are stored, each from a multiple of 64 bytes on, as a USDZ has them. Raises StudioError when
-    it cannot be written; ``progress`` may raise to cancel.
+    Without a level they are stored, each aligned to 64 bytes, as USDZ requires. Raises StudioError if the file cannot
+    be written; ``progress`` may raise an exception to cancel.
     """
     total, done = sum(map(len, members.values())) or 1, 0
     method = zipfile.ZIP_STORED if level is None else zipfile.ZIP_DEFLATED
@@ -57,9 +57,9 @@ def _aligned(name: str, start: int) -> zipfile.ZipInfo:
 
 
 def unzipped_members(content: bytes, most: int, names: Sequence[str] = ()) -> dict[str, bytes]:
-    """Members of an archive by name, or those of ``names``; together they unpack to at most ``most`` bytes.
+    """Members of an archive by name, or those in ``names``, which unpack to at most ``most`` bytes together.
 
-    Raises ValueError with its fault, UnpacksTooFarError before anything is unpacked.
+    Raises ValueError with the fault, and UnpacksTooFarError before anything is unpacked.
     """
     try:
         with zipfile.ZipFile(BytesIO(content)) as archive:
@@ -68,12 +68,12 @@ def unzipped_members(content: bytes, most: int, names: Sequence[str] = ()) -> di
                 raise UnpacksTooFarError(f"would unpack to more than {most // 1_000_000} MB")
             return {entry.filename: archive.read(entry) for entry in entries if not entry.is_dir()}
     except _DAMAGE as error:
-        reason = str(error.args[0] if error.args else error)[:LONGEST_REASON]
+        reason = str(error.args[0] if error.args else error)[:MOST_REASON_CHARACTERS]
         raise ValueError(reason or "it is not an archive") from error
 
 
-def npy(array: NDArray[Any]) -> bytes:
-    """An array as a ``.npy`` file."""
+def npy_file(array: NDArray[Any]) -> bytes:
+    """Bytes of an ``.npy`` file with an array."""
     stream = BytesIO()
     np.lib.format.write_array(stream, array, version=(1, 0), allow_pickle=False)
     return stream.getvalue()

@@ -1,1 +1,3 @@
-"""Whole jobs shared by the command line, the window and scripts: a capture or a project adapted, with its report."""
+"""Whole jobs shared by the command line, the window and scripts: adaptation of a capture or a project, with
+its report.
+"""

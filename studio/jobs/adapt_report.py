@@ -26,7 +26,7 @@ from studio.core.quality.report import (
     BLOCKED_BY_SMOOTHING,
     BLOCKED_BY_TOLERANCE,
     BLOCKED_BY_TOUCHES,
-    MET_BY_UNIT,
+    MET_TOLERANCE_BY_UNIT,
     QualityReport,
     fully_active,
     report_of,
@@ -40,9 +40,9 @@ from studio.io.json_text import JsonObject
 
 FloatArray = NDArray[np.float64]
 
-REACHED_MM, REACHED_DEG = 1000.0 * MET_BY_UNIT["m"], math.degrees(MET_BY_UNIT["rad"])
-"""Millimetres and degrees within which a target counts as met."""
-OTHERS = {
+MET_MILLIMETRES, MET_DEGREES = 1000.0 * MET_TOLERANCE_BY_UNIT["m"], math.degrees(MET_TOLERANCE_BY_UNIT["rad"])
+"""Greatest residual with which a target counts as met, in millimetres and in degrees."""
+BLOCKER_NAMES = {
     BLOCKED_BY_NOTHING: None,
     BLOCKED_BY_CONTACTS: "contacts",
     BLOCKED_BY_LIMITS: "joint limits",
@@ -55,13 +55,13 @@ OTHERS = {
     BLOCKED_BY_FOLLOWED: "followed character",
     BLOCKED_BY_GROUND: "ground",
 }
-"""Causes other than another constraint that keep a constraint from being met, by code; None for no cause."""
+"""Names in reports of the blockers of a constraint other than another constraint, by code; None for no blocker."""
 
 
 def character_report(
     request: AdaptRequest, source: MotionPeaks, first_frame: int, *, by_frame: bool = False
 ) -> tuple[AdaptedMotion, JsonObject]:
-    """Adapted motion from ``first_frame`` on, and the record of its metrics."""
+    """Adapted motion from ``first_frame`` on, and the record of its quality."""
     load_kernels(request.morphology.first_frame_body)
     start = time.perf_counter()
     standing = grounded_motion(request)
@@ -72,15 +72,16 @@ def character_report(
 
 
 def place_record(placement: Placement) -> JsonObject:
-    """Record of a character's place on the stage: metres along X and Y, degrees about Z."""
+    """Record of a character's placement on the stage: metres along X and Y, degrees about Z."""
     return {"position": list(placement.position), "heading_deg": math.degrees(placement.heading)}
 
 
 def quality_record(
     standing: GroundedMotion, request: AdaptRequest, adapted: AdaptedMotion, source: MotionPeaks, by_frame: bool
 ) -> JsonObject:
-    """Record of an adapted motion's quality metrics, some relative to the same frames of its ``source``, and of its
-    constraints.
+    """Record of the quality of an adapted motion and of its constraints.
+
+    Some measures are relative to the same frames of its ``source``.
     """
     report, peaks = report_of(standing, request, adapted), MotionPeaks.of(adapted)
     quality = worst_of(report.slides, report.heights)
@@ -129,7 +130,9 @@ def load_kernels(body: Morphology) -> None:
 
 
 def frame_records(report: QualityReport) -> JsonObject:
-    """Metrics of feet, knees and balance, one number per frame from the first adapted one; null where there is none."""
+    """Measures of feet, knees and balance, one number per frame from the first adapted one; null where
+    there is none.
+    """
     slides, depths = 1000.0 * report.slides, 1000.0 * np.maximum(-report.heights, 0.0)
     return {
         "slide_mm": {point.value: _numbers(row) for point, row in zip(ContactPoint, slides, strict=True)},
@@ -146,10 +149,11 @@ def frame_records(report: QualityReport) -> JsonObject:
 def constraint_records(
     request: AdaptRequest, adapted: AdaptedMotion, report: QualityReport, by_frame: bool
 ) -> list[JsonObject]:
-    """Record of each constraint: number of frames in which it is fully active and in which it is met, its worst
-    residual in the former, and for the frames in which it is not met the number blocked by each cause. Contacts on
-    its limb count as a cause as well. With ``by_frame`` also the residual and the cause in every frame, null if
-    there is none.
+    """Record of each constraint: in how many frames it is fully active, and met, its worst residual, and its blockers.
+
+    For the frames in which it is fully active and not met, the number blocked by each cause is given; contacts on its
+    limb count as a cause as well. With ``by_frame`` the residual and the cause of every frame are added, null if there
+    is none.
     """
     records = []
     frames = slice(adapted.first_frame, adapted.first_frame + adapted.frame_count)
@@ -157,7 +161,7 @@ def constraint_records(
         constraint = request.constraints[row]
         factor = math.degrees(1.0) if constraint.unit == "rad" else 1000.0
         misses, kept_by = report.misses[row], [_winner(int(code), request.constraints) for code in report.winners[row]]
-        missed = asked & ~(misses <= MET_BY_UNIT[constraint.unit])
+        missed = asked & ~(misses <= MET_TOLERANCE_BY_UNIT[constraint.unit])
         worst = np.nanmax(misses[asked], initial=-math.inf)
         record: JsonObject = {"name": constraint.name, "kind": constraint.kind}
         record |= residual_record(constraint, float(worst) if math.isfinite(worst) else None)
@@ -173,7 +177,7 @@ def constraint_records(
 
 
 def _winner(code: int, constraints: Sequence[Constraint]) -> str | None:
-    return constraints[code].name if code >= 0 else OTHERS[code]
+    return constraints[code].name if code >= 0 else BLOCKER_NAMES[code]
 
 
 def _numbers(values: FloatArray) -> list[float | None]:
@@ -187,11 +191,11 @@ def _least(values: FloatArray) -> float | None:
 
 
 def residual_record(constraint: Constraint, residual: float | None) -> JsonObject:
-    """Record of a residual given in metres or radians, by the constraint's unit; None where there is none."""
+    """Record of a residual, given in metres or radians, in the unit of the report; None if there is none."""
     is_angle = constraint.unit == "rad"
     shown = None if residual is None else math.degrees(residual) if is_angle else 1000.0 * residual
     return {
         "residual_mm": None if is_angle else shown,
         "residual_deg": shown if is_angle else None,
-        "reached": None if shown is None else shown <= (REACHED_DEG if is_angle else REACHED_MM),
+        "reached": None if shown is None else shown <= (MET_DEGREES if is_angle else MET_MILLIMETRES),
     }

@@ -1,4 +1,4 @@
-"""Functions shared by several verbs: preparing a capture, choosing characters by name, a whole adaptation."""
+"""Preparation of captures and characters for adaptation, shared by several verbs."""
 
 from collections.abc import Container, Sequence
 from dataclasses import dataclass, replace
@@ -32,7 +32,7 @@ ADAPTED_MOTION_ID = "motion"
 
 @dataclass(frozen=True, eq=False)
 class ReadyCapture:
-    """Capture with its motion, its actor, and its annotations."""
+    """Capture that is ready for adaptation, with its normalised motion, its actor and its annotations."""
 
     capture: Capture
     motion: NormalizedMotion
@@ -46,7 +46,9 @@ class ReadyCapture:
 
     @cached_property
     def source_peaks(self) -> "MotionPeaks":
-        """Peaks of the motion on its own actor from its first frame on, to which adapted ones are compared."""
+        """Peaks of the motion on its own actor from its first frame on, with which those of adapted motions are
+        compared.
+        """
         from studio.core.quality.metrics import MotionPeaks  # late: what is told of a file need not wait for it
 
         played = source_motion(self.motion, self.actor)
@@ -54,7 +56,7 @@ class ReadyCapture:
 
 
 def make_folder(folder: Path) -> None:
-    """Make the folder and its parents; StudioError if that fails."""
+    """Make the folder and its parents. Raises StudioError if that fails."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -62,12 +64,12 @@ def make_folder(folder: Path) -> None:
 
 
 def ready_capture(path: Path, options: ImportOptions, *, all_frames: bool = False) -> ReadyCapture:
-    """Read a humanoid capture and normalise it; ``all_frames`` counts a calibration pose at its start as motion."""
-    return ready_read(read_capture(path, options), path, all_frames=all_frames)
+    """Normalised humanoid capture of a file; ``all_frames`` keeps a calibration pose at its begin."""
+    return ready_from_read(read_capture(path, options), path, all_frames=all_frames)
 
 
-def ready_read(read: ReadCapture, path: Path, *, all_frames: bool = False) -> ReadyCapture:
-    """Normalise the humanoid capture that was read from ``path``."""
+def ready_from_read(read: ReadCapture, path: Path, *, all_frames: bool = False) -> ReadyCapture:
+    """Normalised humanoid capture of ``read``, which was read from ``path``."""
     capture = read.capture
     if capture.body_map is None:
         reasons = {guess.subject: guess.reason for guess in capture.guesses}
@@ -79,17 +81,19 @@ def ready_read(read: ReadCapture, path: Path, *, all_frames: bool = False) -> Re
         reason = reasons.get("body map", "")
         raise StudioError(f"{path.name} cannot be adapted. {reason} Say which joints play them with --body-map.")
     capture = capture.with_first_frame(0) if all_frames else capture
-    return made_ready(capture, known_of_motion(capture, read.annotations, ADAPTED_MOTION_ID))
+    return ready_from_capture(capture, known_of_motion(capture, read.annotations, ADAPTED_MOTION_ID))
 
 
-def made_ready(capture: Capture, annotations: Annotations | None = None) -> ReadyCapture:
-    """Normalise a capture; without ``annotations`` its contacts are detected."""
+def ready_from_capture(capture: Capture, annotations: Annotations | None = None) -> ReadyCapture:
+    """Normalised capture; its contacts are detected if there are no ``annotations``."""
     annotations = annotations or Annotations(detected_contacts(capture, ADAPTED_MOTION_ID))
     return ReadyCapture(capture, *normalize_capture(capture), annotations)
 
 
-def on_its_steps(ready: ReadyCapture) -> tuple[ReadyCapture, Steps]:
-    """Capture with its contacts on the steps on which it was recorded, and these. Raises StudioError without any."""
+def ready_on_steps(ready: ReadyCapture) -> tuple[ReadyCapture, Steps]:
+    """Capture with its contacts on the steps on which it was recorded, and these steps. Raises StudioError if there are
+    none.
+    """
     steps = captured_steps(ready.capture)
     if steps is None:
         raise StudioError(
@@ -101,7 +105,9 @@ def on_its_steps(ready: ReadyCapture) -> tuple[ReadyCapture, Steps]:
 
 
 def cleaning_records(capture: Capture) -> list[JsonObject]:
-    """Reports of the cleaning steps on the markers from which a body was found; empty for any other capture."""
+    """Records of the cleaning steps on the markers from which a body was solved; empty for a capture
+    without markers.
+    """
     if capture.markers is None or capture.body_map is None:
         return []
     take = capture.markers
@@ -117,7 +123,7 @@ def spans_by_foot(contacts: Sequence[ContactInterval]) -> dict[str, list[list[in
 
 
 def chosen_characters(names: Sequence[str]) -> dict[str, Character]:
-    """Bundled characters and character files by short name; all bundled ones for no names."""
+    """Bundled characters and character files by short name; all bundled ones if ``names`` is empty."""
     bundled = bundled_characters()
     if not names:
         return dict(bundled)
@@ -132,7 +138,7 @@ def chosen_characters(names: Sequence[str]) -> dict[str, Character]:
 
 
 def _own_key(stem: str, taken: Container[str]) -> str:
-    """``hero``, or ``hero_2`` if another file has that name."""
+    """Name ``stem``, or with a number (``hero_2``) if it is taken."""
     keys = chain([stem], (f"{stem}_{number}" for number in count(2)))
     return next(key for key in keys if key not in taken)
 

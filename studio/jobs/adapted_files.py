@@ -23,13 +23,13 @@ from studio.jobs.adaptation import (
     chosen_characters,
     cleaning_records,
     make_folder,
-    on_its_steps,
     ready_capture,
+    ready_on_steps,
 )
 from studio.jobs.run_tracks import with_tracks
 
 ACTOR_WORD = "actor"
-"""Name that stands for the body that a capture was recorded from, whatever the capture."""
+"""Name that stands for the body from which a capture was recorded."""
 
 
 @dataclass(frozen=True)
@@ -40,37 +40,37 @@ class AdaptSettings:
     """
 
     characters: tuple[str, ...] = ()
-    """Bundled characters by name, character files, ``ACTOR_WORD``; all bundled ones if empty."""
+    """Names of bundled characters, paths of character files, or ``ACTOR_WORD``; empty for all bundled characters."""
     places: Mapping[str, Placement] = field(default_factory=dict)
-    """Place of a character on the stage by name; by default where the motion begins."""
+    """Placement of characters on the stage by name; by default the motion begins at its own position."""
     constraints: Path | None = None
     ground: Path | None = None
-    """File of the ground; level at 0 without one."""
+    """Path of the file of the ground; None for level ground at height 0."""
     on_steps: bool = False
-    """Stand on the steps on which a capture was recorded, instead of that ground."""
+    """True to stand on the steps on which a capture was recorded, instead of that ground."""
     suffix: str = ".bvh"
     reading: ImportOptions = field(default_factory=ImportOptions)
     writing: ExportOptions = field(default_factory=ExportOptions)
     all_frames: bool = False
-    """Keep the calibration pose that a file may begin with."""
+    """True to keep a calibration pose at the begin of a file."""
     by_frame: bool = False
-    """Report each frame, too."""
+    """True to report each frame as well."""
     limited: bool = True
-    """Keep joints within a person's range of motion."""
+    """True to keep joints within the human range of motion."""
     eased: bool = True
-    """Smooth over time."""
+    """True to smooth joints in time."""
     clears: bool = True
-    """Keep arms out of trunk, head and thighs."""
+    """True to keep arms out of trunk, head and thighs."""
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Files that a result depends on, beside the capture."""
+        """Files other than the capture on which a result depends."""
         named = tuple(Path(name) for name in self.characters if Path(name).is_file())
         return (*filter(None, (self.constraints, self.ground)), *named)
 
     @property
     def absolute(self) -> "AdaptSettings":
-        """The settings with absolute paths, as another process may have another working folder."""
+        """Settings with absolute paths, since another process may have another working folder."""
         return replace(
             self,
             characters=tuple(str(Path(name).resolve()) if Path(name).is_file() else name for name in self.characters),
@@ -82,7 +82,7 @@ class AdaptSettings:
         )
 
     def cast(self) -> "Cast":
-        """Characters and ground, loaded. Raises StudioError for a character or format that does not exist."""
+        """Load the characters and the ground. Raises StudioError for a character or format that does not exist."""
         known = known_formats().suffixes("motion_writer")
         if self.suffix not in known:
             raise StudioError(
@@ -99,16 +99,16 @@ class AdaptSettings:
 
 @dataclass(frozen=True)
 class Cast:
-    """Characters of a run by their names, their places, and the ground they stand on."""
+    """Loaded characters of a run by name, their placements, and the ground on which they stand."""
 
     characters: Mapping[str, Character | None]
-    """None is the body that a capture was recorded from."""
+    """Characters by name; None for the body from which a capture was recorded."""
     places: Mapping[str, Placement]
     ground: Ground
 
 
 def character_placements(places: Mapping[str, Placement], characters: Iterable[str]) -> dict[str, Placement]:
-    """Placement of each of ``characters``. Raises StudioError for the place of one that does not take part."""
+    """Placement of each of ``characters``. Raises StudioError for a placement of a character that is not among them."""
     found = dict.fromkeys(characters, Placement())
     for name, place in places.items():
         key = name if name in found else Path(name).stem
@@ -124,14 +124,14 @@ def file_name(capture: Path, key: str, suffix: str) -> str:
 
 
 def adapt_file(path: Path, settings: AdaptSettings, cast: Cast, folder: Path) -> JsonObject:
-    """Adapt one capture to all of the cast, write their files into ``folder``, and return the report.
+    """Adapt one capture to all characters of the cast, write their files into ``folder``, and return the report.
 
-    Raises StudioError where it shall stand on its steps and was recorded on none.
+    Raises StudioError if the bodies shall stand on the capture's steps and it has none.
     """
     own = None if settings.constraints is None else read_constraints(settings.constraints, ADAPTED_MOTION_ID)
     ready = ready_capture(path, settings.reading, all_frames=settings.all_frames)
     if settings.on_steps:
-        ready, steps = on_its_steps(ready)
+        ready, steps = ready_on_steps(ready)
         cast = replace(cast, ground=steps)
     given = own or ConstraintFile(ready.annotations.constraints, None)
     if settings.constraints is not None:
@@ -154,7 +154,7 @@ def adapt_file(path: Path, settings: AdaptSettings, cast: Cast, folder: Path) ->
 def _requests(
     ready: ReadyCapture, given: ConstraintFile, settings: AdaptSettings, cast: Cast
 ) -> dict[str, AdaptRequest]:
-    """Request of each character, with the tracks of what it follows."""
+    """Request of each character, with the tracks of the objects that it follows."""
     rate, count, actor = ready.motion.frame_rate, ready.motion.frame_count, ready.actor.morphology
     requests = {
         key: AdaptRequest(

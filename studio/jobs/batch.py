@@ -1,4 +1,4 @@
-"""Batch: every capture of a folder adapted by many processes; unchanged results are skipped."""
+"""Batch: every capture of a folder is adapted by many processes; unchanged results are skipped."""
 
 from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
@@ -11,24 +11,24 @@ from studio.io.json_text import JsonObject
 from studio.jobs.adaptation import make_folder
 from studio.jobs.adapted_files import AdaptSettings
 from studio.jobs.batch_cluster import run_in_cluster
-from studio.jobs.batch_jobs import REPORTS, BatchJob, find_jobs, finished_jobs
-from studio.jobs.batch_summary import PAGE, TABLE, write_summary
+from studio.jobs.batch_jobs import REPORTS_FOLDER, BatchJob, find_jobs, finished_record
+from studio.jobs.batch_summary import SUMMARY_PAGE_FILE, SUMMARY_TABLE_FILE, write_summary
 from studio.jobs.batch_workers import run_in_workers
 
 
 @dataclass(frozen=True)
 class BatchSettings:
-    """Folders of a batch, and where its jobs run."""
+    """Settings of a batch: its folders, the adaptation, and where its jobs run."""
 
     source: Path
-    """Folder of captures, with those below it."""
+    """Folder of captures; its subfolders are included."""
     out: Path
     """Folder for the adapted files."""
     adapt: AdaptSettings
     overwrite: bool = False
-    """Write into a folder that holds files of others."""
+    """True to write into a folder that holds other files."""
     workers: int | None = None
-    """Number of processes; None for as many as the machine has cores."""
+    """Number of processes; None for the number of processor cores."""
     scheduler: str | None = None
     """Address of a running Dask cluster to use instead of processes of this machine."""
 
@@ -42,12 +42,12 @@ class FileDone:
     count: int
     name: str
     outcome: str
-    """``unchanged``, ``done``, or the error."""
+    """Outcome: ``unchanged``, ``done``, or the error message."""
 
 
 @dataclass(frozen=True)
 class BatchResult:
-    """Records of all files of a batch, in the order of their names."""
+    """Result of a batch: records of all files, in the order of their names."""
 
     out: Path
     records: tuple[JsonObject, ...]
@@ -60,7 +60,7 @@ class BatchResult:
 
     @property
     def adapted(self) -> int:
-        """Number of files that were adapted now."""
+        """Number of files that were adapted in this run."""
         return len(self.records) - self.unchanged - self.failed
 
     @property
@@ -73,29 +73,29 @@ class BatchResult:
 
     @property
     def table(self) -> Path:
-        """Summary as a table for other programs."""
-        return self.out / TABLE
+        """Path of the summary as a table for other programs."""
+        return self.out / SUMMARY_TABLE_FILE
 
     @property
     def page(self) -> Path:
-        """Summary as a page with plots."""
-        return self.out / PAGE
+        """Path of the summary as a page with plots."""
+        return self.out / SUMMARY_PAGE_FILE
 
 
 def run_batch(
     settings: BatchSettings, told: Callable[[FileDone], object], waited: Callable[[], object] = lambda: None
 ) -> BatchResult:
-    """Adapt captures without a current result, and write the summary.
+    """Adapt captures without a current result, write the summary, and return the result.
 
-    ``told`` is called with each file, ``waited`` some times a second. If one of them raises, the workers end, and the
-    summary has the finished files; a later run continues from there. Raises StudioError for unusable folders and
-    characters; an error in one file is its record.
+    ``told`` is called for each file, ``waited`` a few times per second. If one of them raises an exception, the workers
+    end, and the summary has the finished files; a later run continues from there. Raises StudioError for unusable
+    folders and characters; an error in one file becomes its record.
     """
     settings.adapt.cast()  # what is missing is told before any work
     jobs = find_jobs(settings.source, settings.out, settings.adapt)
     _refuse_others_folder(settings)
-    make_folder(settings.out / REPORTS)
-    records = {job.name: record for job in jobs if (record := finished_jobs(job)) is not None}
+    make_folder(settings.out / REPORTS_FOLDER)
+    records = {job.name: record for job in jobs if (record := finished_record(job)) is not None}
     unchanged = len(records)
     try:
         for number, name in enumerate(records, 1):
@@ -123,9 +123,9 @@ def _run(
 
 
 def _refuse_others_folder(settings: BatchSettings) -> None:
-    """Raise StudioError if the folder holds files that no batch has written, as one might be replaced."""
+    """Raise StudioError if the folder holds files that no batch has written, since one might be replaced."""
     out = settings.out
-    if out.is_dir() and any(out.iterdir()) and not (out / REPORTS).is_dir() and not settings.overwrite:
+    if out.is_dir() and any(out.iterdir()) and not (out / REPORTS_FOLDER).is_dir() and not settings.overwrite:
         raise StudioError(
             f"'{out}' holds files that no batch has written. Choose another folder, or have those of its names replaced"
             " with --overwrite."

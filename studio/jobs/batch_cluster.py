@@ -11,11 +11,11 @@ from studio.startup.process import prepare_process
 _PATIENCE = 10.0
 """Seconds to wait for a scheduler to answer."""
 CLUSTER_POLL_SECONDS = 0.1
-"""Seconds between two looks at what is done."""
+"""Seconds between two checks for finished jobs."""
 
 
 def run_in_cluster(jobs: Sequence[BatchJob], scheduler: str, waited: Callable[[], object]) -> Iterator[JsonObject]:
-    """Record of each job as soon as the workers of the ``scheduler`` at that address have done it.
+    """Records of the jobs as soon as the workers of the scheduler at the address ``scheduler`` have done them.
 
     The job of a worker that dies is given to another one.
     """

@@ -1,4 +1,4 @@
-"""Jobs of a batch: one capture each, identified by the content of all that its result depends on."""
+"""Jobs of a batch: one capture each, identified by the content of everything on which its result depends."""
 
 import hashlib
 import json
@@ -14,13 +14,13 @@ from studio.io.referenced_files import read_bytes
 from studio.io.registry import known_formats
 from studio.jobs.adapted_files import AdaptSettings, adapt_file
 
-REPORTS = "reports"
-"""Subfolder of the batch's folder with a report for each capture."""
+REPORTS_FOLDER = "reports"
+"""Name of the subfolder of the batch's folder with a report for each capture."""
 
 
 @dataclass(frozen=True)
 class BatchJob:
-    """Capture to be adapted; plain values, so that any process on any machine can take it."""
+    """Capture to adapt, as plain values that any process on any machine can take."""
 
     name: str
     """Path of the capture relative to the folder of the batch, with slashes."""
@@ -32,12 +32,12 @@ class BatchJob:
     size: int
     """Size of the capture in bytes."""
     digest: str
-    """Digest of capture, characters, constraints and options: the same digest means the same result."""
+    """Digest of capture, characters, constraints and options: equal digests mean equal results."""
     settings: AdaptSettings
 
 
 def find_jobs(source: Path, out: Path, settings: AdaptSettings) -> list[BatchJob]:
-    """Job for every capture in ``source`` and below, except those under ``out``. Raises StudioError."""
+    """Jobs for all captures in ``source`` and its subfolders, except those under ``out``. Raises StudioError."""
     if not source.is_dir():
         raise StudioError(f"'{source}' is not a folder. Name the folder that holds the captures.")
     suffixes, own = known_formats().suffixes("capture_reader"), out.resolve()
@@ -54,14 +54,14 @@ def find_jobs(source: Path, out: Path, settings: AdaptSettings) -> list[BatchJob
     for path in captures:
         name = path.relative_to(source)
         folder = out / (name if stems[path.with_suffix("")] > 1 else name.parent)
-        content, report = read_bytes(path), out / REPORTS / f"{name}.json"
+        content, report = read_bytes(path), out / REPORTS_FOLDER / f"{name}.json"
         digest = hashlib.sha256(asked + content).hexdigest()
         places = path.resolve(), folder.resolve(), report.resolve()
         jobs.append(BatchJob(name.as_posix(), *places, len(content), digest, settings))
     return jobs
 
 
-def finished_jobs(job: BatchJob) -> JsonObject | None:
+def finished_record(job: BatchJob) -> JsonObject | None:
     """Record of an earlier run with the same inputs, whose files are unchanged; None if there is none."""
     try:
         record: JsonObject = json.loads(job.report.read_bytes())
@@ -73,7 +73,9 @@ def finished_jobs(job: BatchJob) -> JsonObject | None:
 
 
 def adapt_job(job: BatchJob) -> JsonObject:
-    """Adapt one capture in this process and return its record; an error is reported in the record and stops nothing."""
+    """Adapt one capture in this process and return its record; an error is reported in the record, and
+    stops nothing.
+    """
     start = perf_counter()
     record: JsonObject = {"name": job.name, "digest": job.digest}
     try:

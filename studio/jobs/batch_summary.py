@@ -13,35 +13,39 @@ from studio.io.json_text import JsonObject
 
 Row = JsonObject
 
-TABLE, PAGE = "summary.csv", "summary.html"
+SUMMARY_TABLE_FILE, SUMMARY_PAGE_FILE = "summary.csv", "summary.html"
+"""Names of the files of the table and of the page."""
 SUMMARY_COLUMNS = (
     *("capture", "character", "file", "frames", "frame_rate", "slide_mm", "skate_mm", "float_mm", "penetration_mm"),
     *("residual_mm", "residual_deg", "targets", "reached", "microseconds_per_frame", "seconds", "error"),
 )
-PLOTS = (
+SUMMARY_PLOTS = (
     ("Foot slide", "mm", "slide_mm"),
     ("Body below the ground", "mm", "penetration_mm"),
     ("Worst residual of a place or distance", "mm", "residual_mm"),
     ("Worst residual of a direction", "°", "residual_deg"),
     ("Time of the solver a frame", "µs", "microseconds_per_frame"),
 )
+"""Plots of the page: title, unit, and column of the table."""
 CHART_COLOURS = ("#4f8fba", "#d98e3f", "#6a9f58", "#b65c7a", "#8a77b5", "#55a9a4", "#a68a5b", "#888888")
 CHART_WIDTH, CHART_HEIGHT, CHART_LEFT, CHART_BOTTOM = 900, 220, 60, 30
-SMALLEST_SCALE = 0.1
-"""Minimum top value of an axis: less than that of a millimetre is too small to matter."""
-STYLE = "body{font:14px sans-serif;margin:2em;color:#222}table{border-collapse:collapse}td{padding:2px 12px 2px 0}"
+LEAST_AXIS_TOP = 0.1
+"""Least top value of an axis, in the unit of the plot; smaller differences do not matter."""
+SUMMARY_STYLE = (
+    "body{font:14px sans-serif;margin:2em;color:#222}table{border-collapse:collapse}td{padding:2px 12px 2px 0}"
+)
 
 
-def rows_of(records: Sequence[JsonObject]) -> list[Row]:
-    """Row for each capture and character; one with the error for a capture that failed."""
+def summary_rows(records: Sequence[JsonObject]) -> list[Row]:
+    """Row for each capture and character; a capture that failed has one row with the error."""
     return [row for record in records for row in _rows(record)]
 
 
 def write_summary(folder: Path, records: Sequence[JsonObject]) -> None:
     """Write ``summary.csv`` and ``summary.html`` into ``folder``. Raises StudioError if they cannot be written."""
-    rows = rows_of(records)
-    write_rows(folder / TABLE, rows)
-    write_text(folder / PAGE, _page(records, rows))
+    rows = summary_rows(records)
+    write_rows(folder / SUMMARY_TABLE_FILE, rows)
+    write_text(folder / SUMMARY_PAGE_FILE, _page(records, rows))
 
 
 def write_rows(path: Path, rows: Sequence[Row]) -> None:
@@ -76,10 +80,10 @@ def _page(records: Sequence[JsonObject], rows: Sequence[Row]) -> str:
     names = list(dict.fromkeys(row["character"] for row in rows if row["character"]))
     colours = {name: CHART_COLOURS[place % len(CHART_COLOURS)] for place, name in enumerate(names)}
     legend = " ".join(f'<b style="color:{colour}">● {escape(name)}</b>' for name, colour in colours.items())
-    plots = "".join(_plot(title, unit, column, rows, colours) for title, unit, column in PLOTS)
+    plots = "".join(_plot(title, unit, column, rows, colours) for title, unit, column in SUMMARY_PLOTS)
     errors = "".join(f"<tr><td>{escape(each['name'])}<td>{escape(each['error'])}" for each in failed)
     return (
-        f'<!doctype html><meta charset="utf-8"><title>Batch</title><style>{STYLE}</style>'
+        f'<!doctype html><meta charset="utf-8"><title>Batch</title><style>{SUMMARY_STYLE}</style>'
         f"<h1>{counted_noun(len(records), 'capture')}, {len(failed)} failed</h1><p>Captures from left to right, a dot"
         f" for each character; point at one for its name. {legend}{plots}"
         + (f"<h2>Failed</h2><table>{errors}</table>" if failed else "")
@@ -87,12 +91,12 @@ def _page(records: Sequence[JsonObject], rows: Sequence[Row]) -> str:
 
 
 def _plot(title: str, unit: str, column: str, rows: Sequence[Row], colours: dict[str, str]) -> str:
-    """Plot with one dot a row, the captures side by side; empty if no row has a value."""
+    """HTML of a plot with one dot for each row, the captures side by side; empty if no row has a value."""
     captures = {name: place for place, name in enumerate(dict.fromkeys(row["capture"] for row in rows))}
     values = [(row, float(row[column])) for row in rows if row[column] is not None]
     if not values:
         return ""
-    most = max(SMALLEST_SCALE, *(value for _, value in values))
+    most = max(LEAST_AXIS_TOP, *(value for _, value in values))
     wide, high = CHART_WIDTH - CHART_LEFT - 10, CHART_HEIGHT - CHART_BOTTOM - 10
     dots = "".join(
         f'<circle cx="{CHART_LEFT + wide * (captures[row["capture"]] + 0.5) / len(captures):.1f}"'

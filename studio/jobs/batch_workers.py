@@ -24,7 +24,7 @@ from studio.startup.process import prepare_process
 
 POLL_SECONDS = 0.2
 """Seconds between two calls of ``waited``."""
-ATTEMPTS = 2
+MOST_WORKER_DEATHS = 2
 """Number of workers that may die of a job before it counts as failed."""
 WORKER_STOP_SECONDS = 5.0
 """Seconds that a stopped worker has to remove half-written files."""
@@ -64,7 +64,7 @@ def can_fork() -> bool:
 
 
 def run_worker(pipe: Connection) -> None:
-    """Main loop of a worker: one job after the other, until there are no more or the parent process is gone."""
+    """Run the main loop of a worker: one job after the other, until there are no more or the parent process is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that gives the jobs
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     prepare_process()
@@ -78,9 +78,7 @@ def run_worker(pipe: Connection) -> None:
 
 
 def load_kernels() -> None:
-    """Load the kernels that all jobs call, once for all workers: a bundled capture is adapted, and nothing is
-    written.
-    """
+    """Load the kernels that all jobs call, once for all workers, by adapting a bundled capture without writing it."""
     ready = ready_capture(min(example_captures_folder().glob("*.bvh"), key=lambda path: path.stat().st_size), GUESS_ALL)
     body = next(iter(bundled_characters().values())).morphology
     request = AdaptRequest(ready.motion, body, ready.contacts, actor=ready.actor.morphology, clears=True)
@@ -88,10 +86,11 @@ def load_kernels() -> None:
 
 
 def run_in_workers(jobs: Sequence[BatchJob], count: int | None, waited: Callable[[], object]) -> Iterator[JsonObject]:
-    """Record of each job as soon as it is done, the largest captures first, by ``count`` processes; None for as many as
-    cores.
+    """Records of the jobs as soon as they are done by ``count`` processes (None for the number of cores), largest
+    captures first.
 
-    The job of a worker that dies is given to another one. ``waited`` is called while no job is done; it may raise.
+    The job of a worker that dies is given to another one. ``waited`` is called while no job is done; it may raise an
+    exception to stop.
     """
     forks = can_fork()
     waiting = deque(sorted(jobs, key=lambda job: job.size, reverse=True))
@@ -115,7 +114,7 @@ def run_in_workers(jobs: Sequence[BatchJob], count: int | None, waited: Callable
                     worker.end()
                     workers[workers.index(worker)] = worker = Worker(context)
                     deaths[job.name] += 1
-                    if deaths[job.name] < ATTEMPTS:
+                    if deaths[job.name] < MOST_WORKER_DEATHS:
                         waiting.appendleft(job)
                     else:
                         record = death_record(job)

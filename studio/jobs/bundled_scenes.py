@@ -1,4 +1,4 @@
-"""Projects that verbs play or draw: files, or bundled scenes, by name."""
+"""Projects that verbs play or draw, given by path or by the name of a bundled scene."""
 
 from pathlib import Path
 
@@ -8,7 +8,7 @@ from studio.io.project.project_file import read_project
 from studio.library.scenes import SCENES
 
 BUNDLED_SCENES = {scene.title.lower().replace(",", "").replace(" ", "-"): scene for scene in SCENES}
-"""Scenes by the name that is typed: ``fight-training``."""
+"""Bundled scenes by the name that the user types: ``fight-training``."""
 
 
 def is_project(source: Path) -> bool:
@@ -17,7 +17,7 @@ def is_project(source: Path) -> bool:
 
 
 def open_project(source: Path) -> Project:
-    """Project in a file, or the bundled scene of that name. Raises StudioError if there is neither."""
+    """Project in a file, or the bundled scene with that name. Raises StudioError if there is neither."""
     if source.exists() or source.suffix:
         return read_project(source).project
     if (scene := BUNDLED_SCENES.get(str(source))) is None:

@@ -27,11 +27,11 @@ def stage_performances(project: Project) -> StagedPerformances:
 
 
 def prepared_capture(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
-    """Normalised motion of a capture, and the measures of its actor."""
+    """Normalised motion of a capture, and the morphology of its actor."""
     motion, actor = normalize_capture(capture)
     return motion, actor.morphology
 
 
 def stage_duration(project: Project, performer_id: str) -> float:
-    """End of a performer's last clip, in seconds of the stage."""
+    """Stage second at which a performer's last clip ends."""
     return timing_of(project, project.performers[performer_id]).end

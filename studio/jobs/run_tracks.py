@@ -1,4 +1,6 @@
-"""Tracks that the characters of one run follow: props of the constraint file, joints of the capture, each other."""
+"""Tracks that the characters of one run follow: props of the constraint file, joints of the capture, other
+characters.
+"""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -28,8 +30,8 @@ def with_tracks(
 ) -> dict[str, AdaptRequest]:
     """Requests by character, with the tracks that their constraints follow; ``places`` are the characters' placements.
 
-    Characters who follow others are solved together with them, as on a stage, until no followed point moves. Raises
-    StudioError naming the constraint if a followed character or object is missing.
+    Characters that follow others are solved together with them, as on a stage, until no followed point moves. Raises
+    StudioError, which names the constraint, if a followed character or object is missing.
     """
     constraints = next(iter(requests.values())).constraints if requests else ()
     for each in constraints:
@@ -61,7 +63,9 @@ def _played(request: AdaptRequest) -> Composite:
 def _concerning(
     key: str, constraints: tuple[Constraint, ...], requests: Mapping[str, AdaptRequest], props: Mapping[str, Prop]
 ) -> Iterator[Constraint]:
-    """Constraints of the file that apply to one character: those of all characters and those of it alone."""
+    """Constraints of the file that apply to the character ``key``: those of all characters and those of
+    this one alone.
+    """
     for each in constraints:
         concerned = constraint_for_performer(each, key, requests, props) if each.scope.includes(key, "") else None
         if concerned is not None:

@@ -1,8 +1,9 @@
-"""Catalogue of a library: files, actors, takes and clips, in SQLite and arrays beside it.
+"""Catalogue of a library: files, actors, takes and clips, in an SQLite database and array files beside it.
 
-It lies in a folder of its own, never among the captures. Indexed entries are computed again if they are damaged. Labels
-confirmed by a person are also in two files beside it (``confirmed_labels``): each restores the others. A catalogue of a
-newer version is opened read-only, and one that another process has locked is waited for.
+The catalogue has a folder of its own, apart from the captures. Damaged entries are computed again from the captures.
+Labels confirmed by a person are also stored in two files beside the database (``confirmed_labels``), and each of these
+restores the others. A catalogue of a newer version is opened read-only, and a catalogue that another process has locked
+is waited for.
 """
 
 import json
@@ -23,17 +24,17 @@ from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactInterval
 from studio.core.errors import StudioError
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.plausible import FRAME_RATE
+from studio.core.plausible import FRAME_RATE_RANGE
 from studio.io.npy import StoredArray, stored_array, write_stored
 from studio.library.clip_labels import ClipLabel
 from studio.library.confirmed_labels import LABEL_FILES, Labels, NewerLabels, read_labels, write_labels
-from studio.library.hitting import HitPath
+from studio.library.hit_paths import HitPath
 
 FloatArray = NDArray[np.float64]
 T = TypeVar("T")
 
 CATALOGUE_VERSION = 1
-DATABASE = "catalogue.sqlite"
+DATABASE_NAME = "catalogue.sqlite"
 LOCK_WAIT_SECONDS = 60.0
 """Seconds to wait for another process that reads or writes."""
 _TABLES = (
@@ -56,6 +57,7 @@ _COLUMNS = {
     "clips": "id, take, label, confirmed, path_first, path",
 }
 _WITHOUT_TAKE = "take IS NULL OR take NOT IN (SELECT id FROM takes)"
+"""SQL condition of clips whose take is missing."""
 _BAD_VALUES = (ValueError, TypeError, KeyError, ArithmeticError, AttributeError, LookupError, StudioError)
 """Exceptions raised by a row that is damaged."""
 _BAD_DATABASE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_FORMAT, sqlite3.SQLITE_ERROR)
@@ -64,8 +66,10 @@ _BAD_DATABASE = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_F
 
 @dataclass(frozen=True)
 class FileState:
-    """State of a file when it was read: ``size`` in bytes, time when it ``changed`` in nanoseconds; ``problem`` says
-    why it is not in the library, empty if it is.
+    """State of a file when it was indexed: ``size`` in bytes, modification time ``changed`` in nanoseconds, and
+    ``problem``.
+
+    ``problem`` is the reason why the file is not in the library, empty if it is.
     """
 
     size: int
@@ -73,13 +77,13 @@ class FileState:
     problem: str = ""
 
 
-TO_BE_READ = FileState(-1, -1)
-"""State of a file whose entries are lost; no file has it."""
+UNREAD_FILE_STATE = FileState(-1, -1)
+"""State of a file that must be read again; no real file has this state."""
 
 
 @dataclass(frozen=True, eq=False)
 class LibraryTake:
-    """A motion of the library on the body of its actor."""
+    """Motion of a whole capture in the library, on the body of its actor."""
 
     number: int
     path: str
@@ -87,12 +91,12 @@ class LibraryTake:
     motion: NormalizedMotion
     contacts: tuple[ContactInterval, ...]
     checksum: int | None = None
-    """Checksum of its channels; None in libraries of former versions."""
+    """Checksum of the channels of the motion; None in libraries of older versions."""
 
 
 @dataclass(frozen=True, eq=False)
 class CatalogueClip:
-    """A clip of a take."""
+    """Clip of a take: its label, and the path of its hit point."""
 
     number: int
     take: int
@@ -106,7 +110,7 @@ class CatalogueClip:
 
 @dataclass(frozen=True, eq=False)
 class Actor:
-    """Actor of takes: all captures with the same skeleton have the same actor."""
+    """Actor of one or more takes; all captures with the same skeleton have the same actor."""
 
     number: int
     name: str
@@ -114,7 +118,7 @@ class Actor:
 
 
 class Catalogue:
-    """Catalogue in ``folder``; close it, or use it in a ``with``. Each thread needs its own.
+    """Open catalogue in ``folder``; close it, or use it in a ``with`` statement. Each thread needs its own.
 
     Every method raises StudioError if another process locks the file too long, or the disk fails.
     """
@@ -146,18 +150,19 @@ class Catalogue:
             self._database.close()
 
     def add_remark(self, sentence: str) -> None:
-        """Note a repair of which the user is told."""
+        """Add a sentence about a repair, which is shown to the user."""
         self.repaired = f"{self.repaired} {sentence}".strip()
 
     @property
     def remarks(self) -> str:
-        """Sentences for the user about its state; empty if all is well."""
+        """Sentences for the user about repairs of the catalogue; empty if there were none."""
         return f"{self.repaired} {self.read_only}".strip()
 
     @contextmanager
     def write_transaction(self) -> Iterator[None]:
-        """Transaction: all that the block writes is stored, or nothing. Raises StudioError if nothing can be
-        written.
+        """Context of a transaction: either everything that its block writes is stored, or nothing.
+
+        Raises StudioError if nothing can be written.
         """
         if self.read_only:
             raise StudioError(self.read_only)
@@ -167,17 +172,19 @@ class Catalogue:
 
     @contextmanager
     def read_transaction(self) -> Iterator[None]:
-        """Transaction: all that the block reads is of one moment, whatever other processes write."""
+        """Context of a transaction: all values that its block reads belong to one moment, whatever other processes
+        write.
+        """
         with self._refusing(), self._connection:
             self._connection.execute("BEGIN")
             yield
 
     def paths(self) -> list[str]:
-        """Paths of all files that were read or tried, sorted."""
+        """Paths of all indexed files, with those that could not be read, sorted."""
         return sorted(path for (path,) in self._rows("SELECT path FROM files") if isinstance(path, str))
 
     def files(self) -> dict[str, FileState]:
-        """State of each file whose entries are complete, by its path; the others of ``paths`` must be read again."""
+        """State of each file whose entries are complete, by path; the other files of ``paths`` must be read again."""
         if self._rows(f"SELECT 1 FROM clips WHERE {_WITHOUT_TAKE} LIMIT 1"):
             return {}  # the take that lost a clip is unknown
         takes = {take.path: take for take in self.takes().values()}
@@ -208,7 +215,7 @@ class Catalogue:
         }
 
     def forget(self, path: str) -> None:
-        """Remove a file with all that came from it, except the labels that a person confirmed."""
+        """Remove a file and all entries made from it, except the labels that a person confirmed."""
         for (number,) in self._rows("SELECT id FROM takes WHERE path = ?", path):
             self._channels_file(number).unlink(missing_ok=True)
         for table in ("takes", "files"):
@@ -216,12 +223,12 @@ class Catalogue:
         self._connection.execute(f"DELETE FROM clips WHERE {_WITHOUT_TAKE}")
 
     def store_file_state(self, path: str, state: FileState) -> None:
-        """Store the state of a file, and remove what came from it before."""
+        """Store the state of a file, and remove the entries made from its previous content."""
         self.forget(path)
         self._connection.execute("INSERT INTO files VALUES (?, ?, ?, ?)", (path, *asdict(state).values()))
 
     def actor(self, bones: str, name: str, body: Morphology) -> Actor:
-        """Actor with these ``bones`` (any text that identifies the skeleton), added if there is none."""
+        """Actor whose skeleton is identified by ``bones`` (any text); it is added if there is none."""
         rows = self._rows("SELECT id, name, body FROM actors WHERE bones = ?", bones)
         for found in _parsed(rows, _actor):
             return found
@@ -234,7 +241,7 @@ class Catalogue:
         return Actor(int(added.lastrowid or 0), name, body)
 
     def add_take(self, path: str, actor: Actor, motion: NormalizedMotion, contacts: Sequence[ContactInterval]) -> int:
-        """Add a motion and return its number."""
+        """Add the motion of a capture, and return the number of the take."""
         spans = [(each.point.value, each.first, each.last) for each in contacts]
         added = self._connection.execute(
             "INSERT INTO takes (path, actor, name, frame_rate, spine_places, contacts) VALUES (?, ?, ?, ?, ?, ?)",
@@ -253,7 +260,7 @@ class Catalogue:
         return int(added.lastrowid or 0)
 
     def change_clip(self, number: int, label: ClipLabel, path: HitPath) -> None:
-        """Replace the label and path of a clip; a label that is confirmed is also stored among those of its file."""
+        """Replace the label and path of a clip; a confirmed label is also stored in the files of confirmed labels."""
         rows = self._rows("SELECT takes.path, label FROM clips, takes WHERE takes.id = take AND clips.id = ?", number)
         labels = self._labels()
         self._connection.execute(
@@ -270,7 +277,7 @@ class Catalogue:
         self._connection.execute("DELETE FROM clips WHERE id = ?", (number,))
 
     def confirmed_labels(self, path: str) -> list[ClipLabel]:
-        """Labels of a file's take that a person confirmed."""
+        """Labels that a person confirmed in the take of the file ``path``."""
         return list(self._labels().get(path, ()))
 
     def actors(self) -> dict[int, Actor]:
@@ -279,13 +286,13 @@ class Catalogue:
         return {actor.number: actor for actor in _parsed(rows, _actor)}
 
     def clips(self) -> list[CatalogueClip]:
-        """All clips, those of one take together."""
+        """All clips, those of each take in succession."""
         return list(_parsed(self._rows("SELECT id, take, label, path_first, path FROM clips ORDER BY take, id"), _clip))
 
     def takes(self) -> dict[int, LibraryTake]:
-        """All takes by their number; their channels stay on disk until they are read.
+        """All takes by number; their channels stay on disk until they are read.
 
-        Takes whose entries or channels are lost, or are being removed by another process, are left out.
+        Takes whose entries or channels are lost, or which another process is removing, are left out.
         """
         actors = self.actors()
         rows = self._rows(
@@ -303,7 +310,7 @@ class Catalogue:
             raise ValueError("it has no channels")
         if len(spine_places) != actors[actor].body.layout.spine_count:
             raise ValueError("it is the motion of another body")
-        if not FRAME_RATE.least <= rate <= FRAME_RATE.most:
+        if not FRAME_RATE_RANGE.least <= rate <= FRAME_RATE_RANGE.most:
             raise ValueError("it has no frame rate")
         motion = NormalizedMotion(str(name), rate, stored.values, spine_places)
         spans = [ContactInterval(str(number), *span) for span in json.loads(contacts)]
@@ -332,7 +339,7 @@ class Catalogue:
 
     @contextmanager
     def _refusing(self) -> Iterator[None]:
-        """Context that raises StudioError for any error of SQLite or the disk in its block."""
+        """Context in which any error of SQLite or of the disk is raised as a StudioError."""
         try:
             yield
         except (sqlite3.Error, UnicodeError, OSError) as error:
@@ -355,7 +362,7 @@ class Catalogue:
         except sqlite3.DatabaseError as error:
             if _code(error) not in _BAD_DATABASE or self.read_only:
                 raise
-            aside = self._put_aside(self.folder / DATABASE)
+            aside = self._put_aside(self.folder / DATABASE_NAME)
             self.add_remark(
                 f"The catalogue could not be read ({error}); a new one is made, the old one is {aside.name}. Add your"
                 " folders again where files are missing."
@@ -365,8 +372,8 @@ class Catalogue:
         self._settle_labels(rescued)
 
     def _opened(self) -> sqlite3.Connection:
-        """Connection to a checked database, made if there is none. Raises sqlite3.DatabaseError if it is damaged."""
-        file = self.folder / DATABASE
+        """Connection to a checked database, created if there is none. Raises sqlite3.DatabaseError if it is damaged."""
+        file = self.folder / DATABASE_NAME
         if file.exists() and not file.is_file():
             raise StudioError(f"'{file}' is no ordinary file. Remove it, or choose another library.")
         database = _connected(file, "mode=rwc")
@@ -404,7 +411,7 @@ class Catalogue:
         )
 
     def _put_aside(self, file: Path) -> Path:
-        """Rename a damaged file, and its journal, to a free name, and return the new path."""
+        """Rename a damaged file and its journal to a free name, and return the new path."""
         numbers = ("", *(f"-{number}" for number in range(2, 10_000)))
         aside = next(
             path for path in (self.folder / f"{file.name}.damaged{each}" for each in numbers) if not path.exists()
@@ -415,8 +422,8 @@ class Catalogue:
         return aside
 
     def _settle_labels(self, rescued: Labels) -> None:
-        """Restore the files of confirmed labels, and add files that are known to have been in the catalogue, to be read
-        again.
+        """Restore the files of confirmed labels from each other and ``rescued``, and mark files with missing entries as
+        unread.
         """
         found = [self._settled_labels(name) for name in LABEL_FILES]
         if self.read_only:
@@ -436,10 +443,10 @@ class Catalogue:
         if present:
             with self.write_transaction():
                 for path in present:
-                    self.store_file_state(path, TO_BE_READ)
+                    self.store_file_state(path, UNREAD_FILE_STATE)
 
     def _settled_labels(self, name: str) -> Labels | None:
-        """Labels in a file of labels, which is put aside if it is damaged."""
+        """Labels in the file ``name``; a damaged file is renamed, and gives None."""
         try:
             return read_labels(self.folder / name)
         except NewerLabels as error:
@@ -493,7 +500,7 @@ def _is_schema_whole(database: sqlite3.Connection) -> bool:
 
 
 def _rescued(aside: Path) -> Labels:
-    """Paths that can be read in a damaged catalogue, with the labels that were confirmed there."""
+    """Paths that can be read in the damaged catalogue ``aside``, with the labels that were confirmed there."""
     with closing(_connected(aside, "immutable=1")) as database:
         paths = _readable(database, "SELECT path FROM files")
         labels = _readable(database, "SELECT takes.path, label FROM clips, takes WHERE takes.id = take AND confirmed")
@@ -501,7 +508,7 @@ def _rescued(aside: Path) -> Labels:
 
 
 def _readable(database: sqlite3.Connection, question: str) -> list[tuple[Any, ...]]:
-    """Rows up to the first that cannot be read."""
+    """Rows that answer the SQL ``question``, up to the first row that cannot be read."""
     rows = []
     with suppress(sqlite3.Error, UnicodeDecodeError):
         for row in database.execute(question):
@@ -522,7 +529,7 @@ def _damaged(reason: str) -> sqlite3.DatabaseError:
 
 
 def _parsed(rows: Iterable[tuple[Any, ...]], make: Callable[[tuple[Any, ...]], T]) -> Iterator[T]:
-    """Result of ``make`` for each row, without rows that are damaged."""
+    """Results of ``make`` for all rows; damaged rows are skipped."""
     for row in rows:
         with suppress(*_BAD_VALUES):
             yield make(row)

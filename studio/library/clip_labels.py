@@ -1,4 +1,4 @@
-"""Labels of clips: stretches of a take in which a limb does something."""
+"""Labels of clips: ranges of frames of a take in which a limb strikes or grasps."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -12,7 +12,7 @@ from studio.core.constraints.base import BodyPoint
 
 
 class Limb(IntEnum):
-    """Limb that hits; its number is that of the limb everywhere."""
+    """Limb that hits; the value is the index of the limb in all arrays with an element for each limb."""
 
     LEFT_ARM = 0
     RIGHT_ARM = 1
@@ -26,16 +26,17 @@ class Limb(IntEnum):
 
     @property
     def is_arm(self) -> bool:
+        """True for the arms."""
         return self < Limb.LEFT_LEG
 
     @property
     def side(self) -> int:
-        """0 left, 1 right."""
+        """Index of the side: 0 left, 1 right."""
         return self % 2
 
 
 class Kind(StrEnum):
-    """Purpose of a clip (P09 section 3.3.1)."""
+    """Purpose of a clip (P09 section 3.3.1); ``NONE`` marks a proposal that was rejected."""
 
     PUNCH = "punch"
     KICK = "kick"
@@ -55,12 +56,12 @@ class HitSegment(StrEnum):
     KNEE = "knee"
 
 
-SEGMENTS = {True: (HitSegment.FIST, HitSegment.ELBOW), False: (HitSegment.BALL, HitSegment.HEEL, HitSegment.KNEE)}
-"""Parts that an arm can hit with (True), and a leg (False)."""
+HIT_SEGMENTS = {True: (HitSegment.FIST, HitSegment.ELBOW), False: (HitSegment.BALL, HitSegment.HEEL, HitSegment.KNEE)}
+"""Parts with which an arm can hit (key True), and a leg (key False)."""
 
 
 def hit_point(limb: Limb, segment: HitSegment, body: Morphology) -> BodyPoint:
-    """Point of ``body`` that meets the target; that of a fist is the middle of the hand."""
+    """Point of ``body`` with which a limb hits the target; for a fist, the middle of the hand."""
     side = ("left", "right")[limb.side]
     match segment:
         case HitSegment.FIST:
@@ -79,9 +80,9 @@ def hit_point(limb: Limb, segment: HitSegment, body: Morphology) -> BodyPoint:
 
 @dataclass(frozen=True)
 class ClipLabel:
-    """Frames ``first`` to ``last`` of a motion, both included, in which ``limb`` hits at frame ``hit``.
+    """Label of the frames ``first`` to ``last`` of a motion, both included, in which ``limb`` hits at frame ``hit``.
 
-    Raises ValueError when the frames are not in order or the limb has no such segment.
+    Raises ValueError if the frames are not in order or the limb has no such segment.
     """
 
     first: int
@@ -99,11 +100,11 @@ class ClipLabel:
             object.__setattr__(self, name, kind(getattr(self, name)))
         if not 0 <= self.first < self.hit <= self.last:
             raise ValueError(f"A clip hits between its frames: {self.first}, {self.hit}, {self.last} are not in order.")
-        if self.segment not in SEGMENTS[self.limb.is_arm]:
+        if self.segment not in HIT_SEGMENTS[self.limb.is_arm]:
             raise ValueError(f"The {self.limb.words} has no {self.segment}.")
 
     def to_json(self) -> dict[str, Any]:
-        """Record for JSON."""
+        """The label as a JSON object."""
         return asdict(self)
 
     @classmethod

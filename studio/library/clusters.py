@@ -1,8 +1,8 @@
-"""Clusters of a library's poses, as in P09 (3.3.2): a map to look at, not used by the search.
+"""Clusters of the poses of a library, as in P09 (3.3.2): a map to look at, which the search does not use.
 
-K-centres (farthest point first) over features of a pose that do not change with a turn or a shift: the distance of each
-joint from the middle, and its height. K-means puts most of its clusters where most poses are, and in a library of
-strikes nearly all of them into the guard.
+The method is K-centres (farthest point first) over features of a pose that are invariant to rotation about Z and
+horizontal translation: the distance of each joint from the middle, and its height. K-means would put most clusters
+where most poses are, in a library of strikes nearly all in the guard.
 """
 
 from dataclasses import dataclass
@@ -10,23 +10,24 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from studio.core.clip_search import SearchTable, pose_distances
 from studio.core.kernels import pose_search as at
-from studio.core.retrieval import SearchTable, pose_distances
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 NEIGHBOURS_PER_CLUSTER = 4
+"""Number of most similar clusters that are linked to each cluster."""
 LEAST_CLUSTER_DISTANCE = 0.08
-"""Metres by which the features of two representatives differ at least; poses nearer to each other look alike."""
+"""Least distance in metres between the features of two representatives; poses that are nearer look alike."""
 
 
 @dataclass(frozen=True, eq=False)
 class PoseMap:
-    """Map of poses: ``clusters`` (F,) has the cluster of each row of a table.
+    """Map of the poses of a table: ``clusters`` (F,) is the index of the cluster of each row.
 
-    Of G clusters, ``representatives`` (G,) is the row in the middle of each, ``centres`` (G, 40) its features, and
-    ``links`` (G, L) the clusters whose representatives are most similar, the nearest first.
+    For G clusters, ``representatives`` (G,) are the rows in their middle, ``centres`` (G, 40) the features of these
+    rows, and ``links`` (G, L) the clusters with the most similar representatives, the nearest first.
     """
 
     clusters: IntArray
@@ -35,8 +36,10 @@ class PoseMap:
     links: IntArray
 
     def places(self, rows: ArrayLike) -> FloatArray:
-        """Positions (G, 2) of the clusters in the plane that preserves the distances of their poses best (classical
-        scaling), the axis of greatest extent first; ``rows`` (F, 64) are those of the table.
+        """Positions (G, 2) of the clusters in the plane that best preserves the distances of their poses.
+
+        The first axis is that of the greatest extent (classical scaling). ``rows`` (F, 64) are the pose rows of the
+        table.
         """
         poses = np.asarray(rows)[self.representatives]
         if not len(poses):
@@ -48,7 +51,7 @@ class PoseMap:
         return np.column_stack([flat, np.zeros(len(flat))])[:, :2]
 
     def clips_of(self, cluster: int, table: SearchTable) -> IntArray:
-        """Indices of the clips with poses in a cluster, the clip with most of them first."""
+        """Indices of the clips with poses in ``cluster``, the clip with the most poses first."""
         rows = np.flatnonzero(self.clusters == cluster)
         counts = np.bincount(np.searchsorted(table.first_rows, rows, "right") - 1, minlength=table.clip_count)
         order = np.argsort(-counts, kind="stable")
@@ -56,15 +59,16 @@ class PoseMap:
 
 
 def rotation_free_features(rows: ArrayLike) -> FloatArray:
-    """Features (F, 40) of pose rows (F, 64) that neither turn nor shift changes; their Euclidean distance is
-    at most D.
+    """Features (F, 40) of pose rows (F, 64) that are invariant to rotation about Z and horizontal translation.
+
+    The Euclidean distance of two features is a lower bound of the distance of the poses.
     """
     poses = np.asarray(rows, dtype=np.float64)
     return np.concatenate([np.hypot(poses[:, : at.Y], poses[:, at.Y : at.Z]), poses[:, at.Z : at.SQUARE]], axis=1)
 
 
 def map_of(table: SearchTable, count: int) -> PoseMap:
-    """Map of a table's poses with at most ``count`` clusters, whose representatives differ."""
+    """Map of the poses of ``table`` with at most ``count`` clusters, whose representatives differ."""
     features = rotation_free_features(table.rows)
     if count == 0 or not len(features):
         none = np.empty(0, dtype=np.int64)

@@ -1,4 +1,4 @@
-"""Labels confirmed by a person, in two equal files beside the catalogue, as they cannot be computed again."""
+"""Labels confirmed by a person, stored in two equal files beside the catalogue because they cannot be recomputed."""
 
 import hashlib
 import json
@@ -15,7 +15,7 @@ CONFIRMED_LABELS, LABELS_COPY = LABEL_FILES = "labels.json", "labels-copy.json"
 LABELS_VERSION = 1
 
 Labels = dict[str, tuple[ClipLabel, ...]]
-"""Labels by the path of their file."""
+"""Labels of each capture, by the path of its file."""
 
 
 class NewerLabels(StudioError):  # noqa: N818 - it names the matter
@@ -23,10 +23,10 @@ class NewerLabels(StudioError):  # noqa: N818 - it names the matter
 
 
 def read_labels(path: Path) -> Labels | None:
-    """Confirmed labels in a file, by the path of their capture; None if there is no such file.
+    """Confirmed labels in the file ``path``, by the path of their capture; None if there is no such file.
 
-    Raises StudioError if it cannot be read, NewerLabels if a newer version wrote it, and ValueError if it is damaged,
-    so that its digest is not that of its content.
+    Raises StudioError if the file cannot be read, NewerLabels if a newer version wrote it, and ValueError if its digest
+    differs from that of its content.
     """
     if not path.exists():
         return None

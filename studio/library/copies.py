@@ -1,4 +1,4 @@
-"""Copies: files with the same motion of the same actor, of which one is listed."""
+"""Duplicate takes: files with the same motion of the same actor, of which only one is listed."""
 
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable
@@ -10,8 +10,9 @@ from studio.library.catalogue import CatalogueClip, LibraryTake
 
 
 def distinct_takes(takes: Collection[LibraryTake], clips: Iterable[CatalogueClip]) -> set[int]:
-    """Numbers of ``takes`` without copies; of equal ones that whose file exists, then that with most
-    confirmed labels.
+    """Numbers of the takes without duplicates.
+
+    Of equal takes, the one whose file exists is kept; of several, the one with most confirmed labels.
     """
     confirmed = Counter(clip.take for clip in clips if clip.label.confirmed)
     alike = defaultdict(list)

@@ -1,6 +1,6 @@
-"""Indexing of folders of captures and S4D files into a catalogue: only changed files, one at a time.
+"""Indexing of folders of captures and S4D files into a catalogue; only changed files are read, one at a time.
 
-A file that cannot be used is stored with the reason, a missing folder is reported; the others are indexed.
+A file that cannot be used is stored with the reason. A missing folder is reported, and the others are indexed.
 """
 
 import os
@@ -19,20 +19,18 @@ from studio.io.importing import known_of_motion, read_capture
 from studio.io.registry import known_formats
 from studio.library.catalogue import Catalogue, FileState
 from studio.library.clip_labels import ClipLabel
-from studio.library.hitting import HitPath, hit_path
+from studio.library.hit_paths import HitPath, hit_path
 from studio.library.library import Library
 from studio.library.proposed_strikes import proposed_labels
 from studio.resources_folder import bundled_strikes_folder
 
 Progress = Callable[[float, str], object]
-"""Callback for the fraction done (0 to 1) and the current activity; it raises an exception to cancel."""
+"""Callback for the fraction done (0 to 1) and the current activity; it may raise an exception to cancel."""
 
 
 @dataclass(frozen=True)
 class IndexReport:
-    """Numbers of files that were ``read`` now, ``kept`` from before and ``forgotten``; ``problems`` by file
-    or folder.
-    """
+    """Numbers of files that were ``read`` now, ``kept`` unchanged and ``forgotten``; ``problems`` by file or folder."""
 
     read: int
     kept: int
@@ -43,9 +41,9 @@ class IndexReport:
 def index_folders(
     catalogue: Catalogue, folders: Iterable[Path], progress: Progress = lambda share, text: None
 ) -> IndexReport:
-    """Index ``folders``, with those below them, into the catalogue; entries of other folders stay.
+    """Index the captures in ``folders`` and their subfolders into the catalogue; entries of other folders stay.
 
-    If ``progress`` cancels it, files already read are kept. A missing folder keeps its former entries.
+    If ``progress`` cancels the work, files already read are kept. A missing folder keeps its entries.
     """
     roots = [folder.resolve() for folder in folders]
     problems = {str(root): "The folder is not there." for root in roots if not root.is_dir()}
@@ -68,8 +66,8 @@ def index_folders(
     return IndexReport(read, len(paths) - read, len(gone), problems)
 
 
-def whole_library(catalogue: Catalogue, progress: Progress = lambda share, text: None) -> Library:
-    """Library of a catalogue; files whose entries are damaged are read again first, if they still exist."""
+def load_library(catalogue: Catalogue, progress: Progress = lambda share, text: None) -> Library:
+    """Library of a catalogue; existing files whose entries are damaged are read again first."""
     if not catalogue.read_only:
         whole = catalogue.files()
         damaged = [Path(path) for path in catalogue.paths() if path not in whole and os.path.isfile(path)]
@@ -80,20 +78,20 @@ def whole_library(catalogue: Catalogue, progress: Progress = lambda share, text:
 
 
 def bundled_library() -> Library:
-    """Library of the strikes that come with the studio, indexed in a temporary folder."""
+    """Library of the strikes that come with the studio; they are indexed in a temporary folder."""
     with TemporaryDirectory(ignore_cleanup_errors=True) as place, Catalogue(Path(place)) as catalogue:
         index_folders(catalogue, [bundled_strikes_folder()])
         return Library.of(catalogue)
 
 
 def captures_in(folder: Path) -> list[Path]:
-    """Paths of all files below ``folder`` with the suffix of a capture."""
+    """Paths of all files with the suffix of a capture in ``folder`` and its subfolders."""
     suffixes = known_formats().suffixes("capture_reader")
     return [path for path in folder.rglob("*") if path.suffix.lower() in suffixes and path.is_file()]
 
 
 def correct_label(catalogue: Catalogue, clip_number: int, label: ClipLabel) -> None:
-    """Replace the label of a clip by ``label``, as confirmed by a person. Raises StudioError if the clip is gone."""
+    """Replace the label of a clip by ``label``, confirmed by a person. Raises StudioError if the clip is gone."""
     clip = next((each for each in catalogue.clips() if each.number == clip_number), None)
     if clip is None:
         raise StudioError("That clip is no longer in the library: its file went or was read again. Search again.")
@@ -134,8 +132,9 @@ def _read(catalogue: Catalogue, path: Path, state: FileState) -> FileState:
 
 
 def labels_without_confirmed(said: list[ClipLabel], proposed: list[ClipLabel]) -> list[ClipLabel]:
-    """Labels ``proposed`` without those that the labels ``said`` by a person replace: each replaces the nearest one
-    that hits within its frames.
+    """Labels of ``proposed`` that no label of ``said`` replaces.
+
+    Each label of ``said``, given by a person, replaces the nearest proposal that hits within its frames.
     """
     left = list(proposed)
     for label in said:

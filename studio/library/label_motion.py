@@ -1,4 +1,4 @@
-"""Clip opened for labelling: the motion of its take, for the person who corrects its label."""
+"""Motion of a clip's take, prepared for a person who corrects the clip's label."""
 
 from dataclasses import dataclass
 
@@ -15,8 +15,10 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class OpenedClip:
-    """Clip with ``points`` (F, P, 3) of its whole take on its actor's body, joined by ``pairs`` (B, 2), and ``speeds``
-    (4, F) of the ends of the limbs relative to the hips, in limb lengths a second.
+    """Clip that is opened for labelling, with the stick figure and the limb speeds of its whole take.
+
+    ``points`` (F, P, 3) are on the actor's body, joined by ``pairs`` (B, 2). ``speeds`` (4, F) are those of the ends of
+    the limbs relative to the hips, in limb lengths per second.
     """
 
     clip: LibraryClip
@@ -26,7 +28,7 @@ class OpenedClip:
 
     @classmethod
     def of(cls, clip: LibraryClip) -> "OpenedClip":
-        """Pose the take and measure the speeds, as the assistant does."""
+        """Pose the take of ``clip`` and measure the speeds in the same way as ``proposed_strikes``."""
         body, motion = clip.actor.body, clip.take.motion
         points, rotations = realize_motion(motion, body, play=True)
         track = body_track(points, rotations, body, motion.frame_rate)
@@ -34,5 +36,5 @@ class OpenedClip:
 
     @property
     def frame_rate(self) -> float:
-        """Frames a second of the take."""
+        """Frame rate of the take."""
         return self.clip.take.motion.frame_rate

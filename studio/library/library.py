@@ -1,4 +1,4 @@
-"""Library in use: actors, clips and the table that is searched, as values that any thread may hold."""
+"""Library in memory: actors, clips and the table that is searched, as immutable values that threads may share."""
 
 import json
 from contextlib import suppress
@@ -8,31 +8,29 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.clip_search import SearchTable, pose_rows
 from studio.core.errors import StudioError
 from studio.core.kernels import pose_search as at
 from studio.core.normalized.realize import realize_motion
-from studio.core.retrieval import SearchTable, pose_rows
 from studio.io.atomic_write import write_atomically
 from studio.io.npy import stored_array, write_stored
 from studio.io.referenced_files import read_bytes
 from studio.library.catalogue import Actor, Catalogue, CatalogueClip, LibraryTake
 from studio.library.clip_labels import ClipLabel, Kind
 from studio.library.copies import distinct_takes
-from studio.library.hitting import HitPath
+from studio.library.hit_paths import HitPath
 
 FloatArray = NDArray[np.float64]
 
 LEAST_SWING_SECONDS = 0.2
-"""Minimum seconds from the start of a clip until it can hit: with less time to swing, a blow would come out
-of nothing.
-"""
-POSES, STAMP = "poses.npy", "poses.json"
-"""Files of the table of poses, and of the list of clips and frames that it holds."""
+"""Least time in seconds from the start of a strike to its hit; a strike with less time to swing would look abrupt."""
+POSES_FILE, POSES_STAMP_FILE = "poses.npy", "poses.json"
+"""Name of the file of the table of poses, and of the file that lists the clips and frames of this table."""
 
 
 @dataclass(frozen=True, eq=False)
 class LibraryClip:
-    """Clip with its take and its actor."""
+    """Clip of the library with its label, hit path, take and actor."""
 
     number: int
     label: ClipLabel
@@ -47,14 +45,14 @@ class LibraryClip:
 
     @property
     def searched_frames(self) -> range:
-        """Frames of the take from which the clip may be played: those that leave time to swing."""
+        """Frames of the take from which a strike may start, so that it has ``LEAST_SWING_SECONDS`` to swing."""
         swung = self.path.first - round(LEAST_SWING_SECONDS * self.take.motion.frame_rate)
         return range(self.label.first, max(swung, self.label.first + 1))
 
 
 @dataclass(frozen=True, eq=False)
 class Library:
-    """All clips that can be searched; ``actors`` and ``clips`` stand in the order of the ``table``."""
+    """All clips that can be searched; ``actors`` and ``clips`` are in the order of the indices in ``table``."""
 
     actors: tuple[Actor, ...]
     clips: tuple[LibraryClip, ...]
@@ -62,7 +60,7 @@ class Library:
 
     @classmethod
     def of(cls, catalogue: Catalogue) -> "Library":
-        """Library of a catalogue without copies. Its poses stay on disk, and are computed again if clips have
+        """Library of a catalogue, without duplicate takes. Its poses stay on disk, and are recomputed if clips have
         changed.
         """
         with catalogue.read_transaction():
@@ -78,7 +76,7 @@ class Library:
 
     @classmethod
     def of_clips(cls, clips: list[LibraryClip], poses: NDArray[np.float32] | None = None) -> "Library":
-        """Library of these clips; without ``poses`` (F, 64) they are computed, in memory."""
+        """Library of ``clips``; without ``poses`` (F, 64) the pose rows are computed in memory."""
         actors = tuple({clip.actor.number: clip.actor for clip in clips}.values())
         places = {actor.number: place for place, actor in enumerate(actors)}
         paths = [clip.path.places for clip in clips]
@@ -93,14 +91,14 @@ class Library:
         return cls(actors, tuple(clips), table)
 
     def place_of(self, row: int) -> tuple[LibraryClip, int]:
-        """Clip, and frame of its take, whose pose is in ``row`` of the table."""
+        """Clip, and frame of its take, of the pose in ``row`` of the table."""
         number = int(np.searchsorted(self.table.first_rows, row, "right")) - 1
         clip = self.clips[number]
         return clip, clip.searched_frames.start + row - int(self.table.first_rows[number])
 
     @cached_property
     def frame_count(self) -> int:
-        """Number of frames that are searched."""
+        """Number of frames in the table."""
         return len(self.table.rows)
 
 
@@ -109,7 +107,7 @@ def _with_take(clip: CatalogueClip, take: LibraryTake, actors: dict[int, Actor])
 
 
 def _poses_of(clips: list[LibraryClip]) -> NDArray[np.float32]:
-    """Searched poses (F, 64) of all clips; each take is posed once."""
+    """Pose rows (F, 64) of the searched frames of all clips; each take is posed once."""
     rows = [np.empty((0, at.POSE_WIDTH), dtype=np.float32)]
     posed: tuple[int, FloatArray] | None = None
     for clip in clips:
@@ -121,9 +119,9 @@ def _poses_of(clips: list[LibraryClip]) -> NDArray[np.float32]:
 
 
 def _stored_poses(catalogue: Catalogue, clips: list[LibraryClip]) -> NDArray[np.float32]:
-    """Poses (F, 64) of all clips, from disk; computed if those on disk are damaged or of other clips."""
+    """Pose rows (F, 64) of all clips, read from disk; recomputed if the stored rows are damaged or of other clips."""
     folder = catalogue.folder
-    poses, said = folder / POSES, folder / STAMP
+    poses, said = folder / POSES_FILE, folder / POSES_STAMP_FILE
     stamp = json.dumps(
         [
             [each.number, each.take.number, each.take.checksum, each.searched_frames.start, each.searched_frames.stop]

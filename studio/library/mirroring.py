@@ -1,16 +1,16 @@
-"""Library twice as large: each clip also mirrored, with the other limb."""
+"""Library of twice the size, with a mirror image of each clip for the other limb."""
 
 from dataclasses import replace
 
 from studio.core.normalized.mirror import mirrored_contacts, mirrored_motion
 from studio.core.normalized.realize import realize_motion
 from studio.library.clip_labels import Limb
-from studio.library.hitting import hit_path
+from studio.library.hit_paths import hit_path
 from studio.library.library import Library, LibraryClip
 
 
 def with_mirrored(library: Library) -> Library:
-    """The library and its mirror image, in memory; a mirrored clip has the negative number of its original."""
+    """Library with the mirror image of each clip added, in memory; its number is minus that of the original."""
     return Library.of_clips([*library.clips, *(_mirrored(clip) for clip in library.clips)])
 
 

@@ -1,4 +1,4 @@
-"""Saved poses: one JSON file for each, in a folder of the user's library, that a person can read and edit."""
+"""Saved poses: one JSON file for each, in a folder of the user's library, which a person can read and edit."""
 
 import math
 from dataclasses import dataclass
@@ -12,12 +12,13 @@ from studio.core.stage.local_pose import LocalPose
 from studio.io.json_text import read_json, write_json
 
 POSE_SUFFIX = ".json"
-NAME, HIPS_HEIGHT, POSE_ROTATIONS = "name", "hips height (leg lengths)", "rotation vectors (degrees)"
+POSE_NAME_KEY, HIPS_HEIGHT_KEY, POSE_ROTATIONS_KEY = "name", "hips height (leg lengths)", "rotation vectors (degrees)"
+"""Keys in the JSON file of a pose."""
 
 
 @dataclass(frozen=True)
 class SavedPose:
-    """A pose with its name and its file."""
+    """Named pose, and the path of its file."""
 
     path: Path
     name: str
@@ -25,13 +26,13 @@ class SavedPose:
 
 
 def read_pose(path: Path) -> SavedPose:
-    """The pose in a file. Raises StudioError with what is wrong in it."""
+    """Pose in the file ``path``. Raises StudioError with the reason if it cannot be read."""
     record = read_json(path)
     try:
         if not isinstance(record, dict):
             raise ValueError("It is no record.")
-        rotations = {BodyPart(part): _radians(angles) for part, angles in record[POSE_ROTATIONS].items()}
-        return SavedPose(path, str(record[NAME]), LocalPose(rotations, float(record[HIPS_HEIGHT])))
+        rotations = {BodyPart(part): _radians(angles) for part, angles in record[POSE_ROTATIONS_KEY].items()}
+        return SavedPose(path, str(record[POSE_NAME_KEY]), LocalPose(rotations, float(record[HIPS_HEIGHT_KEY])))
     except KeyError as error:
         reason = f"It has no {error}."
     except (TypeError, ValueError, AttributeError, OverflowError) as error:
@@ -40,7 +41,7 @@ def read_pose(path: Path) -> SavedPose:
 
 
 def read_poses(folder: Path) -> tuple[list[SavedPose], list[str]]:
-    """Poses in ``folder`` by name, and a sentence for each file that is not one."""
+    """Poses in ``folder`` sorted by name, and an error message for each file that holds no pose."""
     found, problems = [], []
     for path in sorted(folder.glob(f"*{POSE_SUFFIX}")):
         try:
@@ -51,7 +52,7 @@ def read_poses(folder: Path) -> tuple[list[SavedPose], list[str]]:
 
 
 def write_pose(folder: Path, name: str, pose: LocalPose) -> SavedPose:
-    """Save a pose in a new file of ``folder``. Raises StudioError if it cannot be written."""
+    """Write a pose to a new file of ``folder``, and return it. Raises StudioError if it cannot be written."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -61,7 +62,7 @@ def write_pose(folder: Path, name: str, pose: LocalPose) -> SavedPose:
     taken = {path.stem for path in folder.glob(f"*{POSE_SUFFIX}")}
     path = folder / f"{free_name(safe_name(name).lower(), taken)}{POSE_SUFFIX}"
     rotations = {part.value: [round(math.degrees(angle), 4) for angle in pose.rotations[part]] for part in BodyPart}
-    write_json(path, {NAME: name, HIPS_HEIGHT: round(pose.hips_height, 4), POSE_ROTATIONS: rotations})
+    write_json(path, {POSE_NAME_KEY: name, HIPS_HEIGHT_KEY: round(pose.hips_height, 4), POSE_ROTATIONS_KEY: rotations})
     return SavedPose(path, name, pose)
 
 
@@ -73,7 +74,9 @@ def _radians(degrees: list[float]) -> Vector:
 
 
 def rename_pose(saved: SavedPose, name: str) -> SavedPose:
-    """Save a pose under another name in the place of the old one. Raises StudioError."""
+    """Save a pose under another name in place of the old one, and return it. Raises StudioError if it cannot be
+    written.
+    """
     renamed = write_pose(saved.path.parent, name, saved.pose)
     delete_pose(saved)
     return renamed

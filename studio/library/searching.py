@@ -1,7 +1,7 @@
-"""Search for the clip that hits a place best, for a body in a pose (P09 section 3.3), with reasons in words.
+"""Search for the clip that hits a position best, for a body in a given pose (P09 section 3.3), with reasons in words.
 
-The performer's pose is put on every actor and the place scaled by the size of the limbs (its equation 1), so that every
-clip is judged on the body that performed it: another body may find another clip.
+The performer's pose is transferred to every actor, and the target position is scaled by the size of the limbs (P09
+equation 1), so that every clip is judged on the body that performed it. Another body may find another clip.
 """
 
 from collections.abc import Collection
@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.morphology import Morphology
+from studio.core.clip_search import PoseQuery, SearchMatch, pose_distances, pose_rows, search
 from studio.core.kernels import layout as at_channel
 from studio.core.kernels import pose_search as at
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize_motion
-from studio.core.retrieval import PoseQuery, SearchMatch, pose_distances, pose_rows, search
 from studio.library.clip_labels import Kind, Limb
-from studio.library.hitting import limb_size
+from studio.library.hit_paths import limb_size
 from studio.library.library import Library, LibraryClip
 
 FloatArray = NDArray[np.float64]
@@ -25,11 +25,10 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class StrikeQuery:
-    """Query: ``pose`` is a motion of one frame, the performer's now; ``place`` (3,) is the position to hit, in the same
-    space on ``body``.
+    """Query of a search: hit ``place`` (3,), metres, from ``pose``, the performer's motion of one frame on ``body``.
 
-    ``limbs``, ``kinds``, ``tags`` and ``numbers`` each restrict the search to clips of one of them; an empty one does
-    not.
+    ``place`` is in the space of the pose. ``limbs``, ``kinds``, ``tags`` and ``numbers`` each restrict the search to
+    clips with one of these; an empty collection does not restrict it.
     """
 
     pose: NormalizedMotion
@@ -42,14 +41,15 @@ class StrikeQuery:
     posture_weight: float = 1.0
     reach_weight: float = 1.0
     in_box: bool = False
-    """True to leave out clips whose hit path lies in a box that does not contain the place, as in P09."""
+    """True to exclude clips whose box around the hit path does not contain the place, as in P09."""
 
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """Clip to be played from ``start`` to ``hit`` (frames of its take), and its distances from the query.
+    """Clip found by a search, played from frame ``start`` of its take and hitting at frame ``hit``.
 
-    ``turn`` radians about Z bring the take onto the performer. Distances are metres on the actor's body.
+    ``turn`` (radians about Z) rotates the take onto the performer. ``posture`` and ``reach`` are the distances from the
+    query, in metres on the actor's body; ``cost`` is their weighted sum.
     """
 
     clip: LibraryClip
@@ -62,34 +62,34 @@ class Result:
 
     @property
     def seconds_to_hit(self) -> float:
-        """Seconds from ``start`` to ``hit``."""
+        """Seconds from the start to the hit."""
         return (self.hit - self.start) / self.clip.take.motion.frame_rate
 
     @property
     def reasons(self) -> tuple[str, str, str]:
         """Posture, reach and time to the hit, each in words."""
         return (
-            f"posture {metres(self.posture)} off",
-            f"passes {metres(self.reach)} from the target",
+            f"posture {length_in_words(self.posture)} off",
+            f"passes {length_in_words(self.reach)} from the target",
             f"hits in {self.seconds_to_hit:.2f} s",
         )
 
 
-def metres(length: float) -> str:
-    """Text of a length given in metres, in cm or m."""
+def length_in_words(length: float) -> str:
+    """Text of a length in metres, written in cm or m."""
     return f"{100.0 * length:.0f} cm" if length < 1.0 else f"{length:.2f} m"
 
 
 def search_strikes(library: Library, asked: StrikeQuery, count: int = 8) -> list[Result]:
-    """The ``count`` clips that fit best, the best first, each from its best frame; the search is exact."""
-    query, allowed = query_of(library, asked), allowed_clips(library, asked)
+    """The ``count`` clips with the least cost, best first, each from its best frame; the search is exact."""
+    query, allowed = pose_query(library, asked), allowed_clip_mask(library, asked)
     if asked.in_box and len(library.clips):
         allowed &= _boxes_hold(library, query)
     return [_result(library, each) for each in search(library.table, query, count, allowed)]
 
 
-def query_of(library: Library, asked: StrikeQuery) -> PoseQuery:
-    """Query of the table: the performer's pose on every actor, and the place scaled to each."""
+def pose_query(library: Library, asked: StrikeQuery) -> PoseQuery:
+    """Query of the table: the performer's pose on every actor, and the target position scaled to each."""
     place = np.asarray(asked.place, dtype=np.float64)
     away = place - realize_motion(asked.pose, asked.body)[0][0, 0]
     poses = np.empty((len(library.actors), at.POSE_WIDTH), dtype=np.float32)
@@ -104,8 +104,8 @@ def query_of(library: Library, asked: StrikeQuery) -> PoseQuery:
     return PoseQuery(poses, targets, asked.posture_weight, asked.reach_weight)
 
 
-def allowed_clips(library: Library, asked: StrikeQuery) -> NDArray[np.bool_]:
-    """Mask (C,) of the clips that the query allows."""
+def allowed_clip_mask(library: Library, asked: StrikeQuery) -> NDArray[np.bool_]:
+    """Mask (C,) of the clips that the query ``asked`` allows."""
     labels = [(clip.number, clip.label) for clip in library.clips]
     return np.array(
         [
@@ -120,9 +120,9 @@ def allowed_clips(library: Library, asked: StrikeQuery) -> NDArray[np.bool_]:
 
 
 def _boxes_hold(library: Library, query: PoseQuery) -> NDArray[np.bool_]:
-    """Mask (C,) of the clips whose box of the hit path, as seen from some frame, contains the place.
+    """Mask (C,) of the clips whose box around the hit path contains the target position, as seen from some frame.
 
-    A clip may be turned and moved to the performer, so its box is that of distances and heights relative to its poses.
+    A clip may be rotated and moved to the performer, so the box is that of distances and heights relative to its poses.
     """
     blocks, table = library.table.blocks, library.table
     targets = query.targets[table.actors, table.limbs][blocks.spans[:, 0]]
@@ -139,7 +139,7 @@ def _result(library: Library, found: SearchMatch) -> Result:
 
 
 def result_at_frame(clip: LibraryClip, frame: int, asked: StrikeQuery) -> Result:
-    """Result for a clip from a ``frame`` of its take on, as if it had been found for the query's pose."""
+    """Result for ``clip`` from ``frame`` of its take on, as if the search had found this frame."""
     motion, body = clip.take.motion, clip.actor.body
     frame = min(frame, clip.path.first)
     there = realize_motion(replace(motion, channels=motion.channels[frame : frame + 1]), body)[0]
@@ -149,10 +149,9 @@ def result_at_frame(clip: LibraryClip, frame: int, asked: StrikeQuery) -> Result
 
 
 def strike_path(found: Result, asked: StrikeQuery) -> FloatArray:
-    """Points (T, K+23, 3) of a result from its start to its hit on the query's body, aligned with its pose, in the
-    pose's space.
+    """Points (T, K+23, 3) of the query's body from the start of a result to its hit, in the space of the query's pose.
 
-    A sketch of what would play: nothing is solved, so the hit misses the place as the reasons say.
+    This is a preview without solving, so the hit misses the target by the distance that the reasons give.
     """
     motion, body = found.clip.take.motion, asked.body
     points = realize_motion(replace(motion, channels=motion.channels[found.start : found.hit + 1]), body)[0]
@@ -163,9 +162,9 @@ def strike_path(found: Result, asked: StrikeQuery) -> FloatArray:
     return points
 
 
-def place_before(pose: NormalizedMotion, body: Morphology, position: ArrayLike) -> FloatArray:
-    """Position (3,) in the space of ``pose`` of a ``position`` given in metres forward and left of the root, and above
-    the ground.
+def position_ahead_of(pose: NormalizedMotion, body: Morphology, position: ArrayLike) -> FloatArray:
+    """Position (3,) in the space of ``pose`` of ``position``: metres forward and left of the root, and above the
+    ground.
 
     Forward is the heading of the pelvis.
     """

@@ -10,9 +10,9 @@ from studio.core.constraints.follow import FollowPerformer
 from studio.core.kernels import layout as at
 from studio.core.normalized.compose import Composite
 from studio.core.stage.behaviour import Role, State
-from studio.core.stage.manners import KeepDistance
+from studio.core.stage.behaviour_target import PELVIS_POINT, resolved_target
 from studio.core.stage.placement import Placement
-from studio.core.stage.whom import PELVIS_POINT, followed_by
+from studio.core.stage.reactions import KeepDistance
 from studio.live.live_behaviour import StageView, StartedAct
 
 FloatArray = NDArray[np.float64]
@@ -73,8 +73,8 @@ def _stance(act: StartedAct, composite: Composite, frame: int) -> float:
 
 def _comes_too(seen: StageView, key: str, kept: KeepDistance, role: Role) -> bool:
     """True if the performer from which this one keeps its distance does the same; then each takes half of the step."""
-    whom = followed_by(kept.whom, role.partner_id)
+    whom = resolved_target(kept.whom, role.partner_id)
     found = seen.state_of(whom.performer_id) if isinstance(whom, FollowPerformer) else None
     other = _kept(found[0]) if found else None
-    back = followed_by(other.whom, found[1].partner_id) if found and other else None
+    back = resolved_target(other.whom, found[1].partner_id) if found and other else None
     return isinstance(back, FollowPerformer) and back.performer_id == key

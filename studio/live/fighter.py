@@ -28,10 +28,10 @@ from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.library.clip_labels import Kind, Limb
-from studio.library.hitting import hit_places, limb_root
+from studio.library.hit_paths import hit_point_positions, limb_root
 from studio.library.library import Library
 from studio.library.searching import Result, StrikeQuery, search_strikes
-from studio.library.striking import Strike, StrikeClip, strike_in
+from studio.library.striking import Strike, StrikeClip, strike_from_change
 from studio.live.distance_keeping import DISTANCE_STEP_SECONDS
 from studio.live.takeover import SPEED_FRAMES, Takeover, take_over
 
@@ -318,7 +318,7 @@ class Fighter:
         blow = StrikeClip.of(found)
         x, y, z = begins.position_in(blow.seconds).tolist()
         coming = self._coming(FighterState.STRIKE, begins, blow.piece(0.0))
-        strike = strike_in(coming.takes.composite, coming.takes.first, blow, self.body, (x, y, z))
+        strike = strike_from_change(coming.takes.composite, coming.takes.first, blow, self.body, (x, y, z))
         return replace(coming, found=found, strike=strike)
 
     def _coming(self, state: FighterState, begins: PlanStart, piece: MotionPiece) -> PendingPlan:
@@ -384,7 +384,7 @@ class Fighter:
 
     def _note_hit(self, blow: StrikeClip, positions: FloatArray, rotations: FloatArray, target: FloatArray) -> None:
         label = blow.label
-        where = hit_places(positions, rotations, self.body, label.limb, label.segment)[0]
+        where = hit_point_positions(positions, rotations, self.body, label.limb, label.segment)[0]
         missed = float(np.linalg.norm(where - target))
         bones = (self.body.arm if label.limb.is_arm else self.body.leg)[label.limb.side]
         away = positions[0, limb_root(self.body.layout, label.limb)] - target

@@ -9,17 +9,17 @@ from numpy.typing import NDArray
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.scope import Scope
-from studio.core.curves.retiming import SLOWEST_CLIP
+from studio.core.curves.retiming import SLOWEST_CLIP_SPEED
 from studio.core.solver.adapt import body_point_positions
 from studio.core.solver.performers.prop_tracks import Holder, stage_track
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.behaviour import Behaviour, BehaviourProgress, Role, State
+from studio.core.stage.behaviour_target import BehaviourTarget, DistanceMeasure, resolved_target
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import ConditionInput
-from studio.core.stage.manners import manner_constraints
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
-from studio.core.stage.whom import BehaviourTarget, DistanceMeasure, followed_by
+from studio.core.stage.reactions import reaction_constraints
 
 FloatArray = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ class StageView:
 
     def place_of(self, whom: BehaviourTarget, role: Role) -> FloatArray | None:
         """Stage position (3,) of the target ``whom`` for a performer in ``role``; None if it is missing."""
-        follow = followed_by(whom, role.partner_id)
+        follow = resolved_target(whom, role.partner_id)
         if isinstance(follow, FollowPerformer):
             result = self.results.get(follow.performer_id)
             if result is None:
@@ -72,7 +72,7 @@ class StageView:
         """Metres per unit of a distance: 1, or the mean leg length of both performers."""
         if not gap.legs:
             return 1.0
-        follow = followed_by(gap.whom, role.partner_id)
+        follow = resolved_target(gap.whom, role.partner_id)
         keys = [role.performer_id, *([follow.performer_id] if isinstance(follow, FollowPerformer) else [])]
         bodies = [self.project.characters[self.project.performers[key].character_id] for key in keys]
         return sum(each.morphology.leg_length for each in bodies) / len(bodies)
@@ -94,11 +94,18 @@ def started_act(state: State, role: Role, blend: float, playing: Clip, frame: in
         first = frame if goes_on and state.clip.first <= frame < state.clip.last else state.clip.first
         clip = replace(state.clip, first=first, joined=True, ease=blend)
     else:  # slower and slower, until the last frame is held
-        last = frame + max(round(SLOWEST_CLIP * SLOWING_SECONDS * frame_rate), 1)
+        last = frame + max(round(SLOWEST_CLIP_SPEED * SLOWING_SECONDS * frame_rate), 1)
         clip = replace(
-            playing, first=frame, last=last, speed=SLOWEST_CLIP, repeats=1, turn=0.0, offset=(0.0, 0.0), ease=blend
+            playing,
+            first=frame,
+            last=last,
+            speed=SLOWEST_CLIP_SPEED,
+            repeats=1,
+            turn=0.0,
+            offset=(0.0, 0.0),
+            ease=blend,
         )
-    asked = manner_constraints(state.manners, clip.motion_id, role.partner_id, state.name)
+    asked = reaction_constraints(state.manners, clip.motion_id, role.partner_id, state.name)
     return StartedAct(clip, tuple(replace(each, scope=Scope(role.performer_id)) for each in asked))
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.captures.contacts import FOOT_POINTS, GREATEST_DRIFT, ContactInterval
+from studio.core.captures.contacts import FOOT_POINTS, GREATEST_DRIFT_METRES, ContactInterval
 from studio.core.kernels.limbs.limb import SOFT_IK_THRESHOLD
 from studio.core.kernels.solve_clip import place_frames
 from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STANDS
@@ -73,11 +73,11 @@ class LiveGrounding:
         return self._standing_of(request, footing, positions, rotations)
 
     def _low_of(self, feet: list[FootPose], dt: float) -> float:
-        """Height in metres of the recently lowest heel or ball; it rises slowly, and by ``GREATEST_DRIFT`` at most."""
+        """Height in metres of the recently lowest heel or ball; it rises by ``GREATEST_DRIFT_METRES`` at most."""
         points = [foot.points_of(pose)[:, 2] for foot, pose in zip(self._feet, feet, strict=True)]
         lowest = float(np.min(points))
         self._lowest = min(self._lowest, lowest)
-        self._low = min(self._low + FLOOR_RISE_SPEED * dt, self._lowest + GREATEST_DRIFT, lowest)
+        self._low = min(self._low + FLOOR_RISE_SPEED * dt, self._lowest + GREATEST_DRIFT_METRES, lowest)
         return self._low
 
     def _floor_under(self, feet: list[FootPose], dt: float) -> float:

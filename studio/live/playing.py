@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.base import Constraint
-from studio.core.constraints.carried_over import COMING
+from studio.core.constraints.carried_over import BOUNDARY_FADE_SECONDS
 from studio.core.curves.activation import ActivationCurve, ease
 from studio.core.normalized.compose import Composite
 from studio.core.solver.adapt import grounded_motion
@@ -97,8 +97,8 @@ def motion_after_takeover(
 ) -> PlayingMotion:
     """Motion in which the only clip of a performer's row takes over, at its start, from ``frame`` of ``before``.
 
-    Constraints that acted in that frame fade out in ``COMING`` seconds at their last targets (``tracks`` has those that
-    were followed), unless they act on the clip as well.
+    Constraints that acted in that frame fade out in ``BOUNDARY_FADE_SECONDS`` seconds at their last targets (``tracks``
+    has those that were followed), unless they act on the clip as well.
     """
     clip = project.performers[key].clips[0]
     pieces = pieces_of(project, key, clip, lambda motion_id: motion_of(project, motion_id, prepare))
@@ -178,8 +178,8 @@ def _going(
 
 
 def _falling(curve: ActivationCurve, share: float, begins: float) -> ActivationCurve:
-    """Activation that falls from ``share`` at ``begins`` seconds to zero within ``COMING`` seconds."""
+    """Activation that falls from ``share`` at ``begins`` seconds to zero within ``BOUNDARY_FADE_SECONDS`` seconds."""
     progress = np.linspace(0.0, 1.0, 257)
-    passed = float(np.interp(1.0 - share, ease(progress, curve.shape), progress)) * COMING
-    end = begins - passed + COMING
+    passed = float(np.interp(1.0 - share, ease(progress, curve.shape), progress)) * BOUNDARY_FADE_SECONDS
+    end = begins - passed + BOUNDARY_FADE_SECONDS
     return curve.with_times(begins - LAST_POSE_SECONDS, begins - LAST_POSE_SECONDS, begins - passed, end)

@@ -16,7 +16,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.target import follows_of
 from studio.core.errors import StudioError
-from studio.core.normalized.transition import LEAST_TRANSITION
+from studio.core.normalized.transition import LEAST_TRANSITION_SECONDS
 from studio.core.rigs.played_fingers import fingers_of_performer
 from studio.core.solver.adapt import body_point_positions, solve_constraints, solve_request
 from studio.core.solver.asking.tracks import Track, Tracks
@@ -286,7 +286,7 @@ class LiveStage:
 
     def _going_on(self, act: StartedAct) -> StartedAct | None:
         """Act with its clip begun from the current pose; None if the clip is too short for a transition."""
-        if act.clip.length(self.project.frame_rate_of(act.clip)) < LEAST_TRANSITION:
+        if act.clip.length(self.project.frame_rate_of(act.clip)) < LEAST_TRANSITION_SECONDS:
             return None
         return replace(act, clip=replace(act.clip, joined=True, turn=0.0, offset=(0.0, 0.0)))
 

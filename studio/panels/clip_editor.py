@@ -9,10 +9,10 @@ from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QWidget
 
 from studio.core.changed_records import with_fields
 from studio.core.curves.keyed import KeyedNumber
-from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP, Speed, speed_at
+from studio.core.curves.retiming import FASTEST_CLIP_SPEED, SLOWEST_CLIP_SPEED, Speed, speed_at
 from studio.core.errors import StudioError
 from studio.core.mesh.hand_shapes import FIST_GRIP, HALF_CLOSED_GRIP, OPEN_GRIP, RELAXED_GRIP
-from studio.core.stage.clip import MOST_REPEATS, Clip
+from studio.core.stage.clip import MOST_CLIP_REPEATS, Clip
 from studio.core.stage.clip_row import ClipEdit, players_of, with_first_frame, with_last_frame
 from studio.document import clip_edits
 from studio.document.document import Document
@@ -63,11 +63,13 @@ class ClipEditor(Editor[Clip]):
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), self._set_first)
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), self._set_last)
         section.add_row("Frame range", self._first, self._last)
-        self._speed = self.bind(NumberField("Speed", "×", SLOWEST_CLIP, FASTEST_CLIP, 0.05), self._set_speed)
+        self._speed = self.bind(
+            NumberField("Speed", "×", SLOWEST_CLIP_SPEED, FASTEST_CLIP_SPEED, 0.05), self._set_speed
+        )
         self._keyed = self._box("keyed", self._set_keyed)
         self._keyed.setToolTip("Animate speed: set keys here or with S; edit them in the curve editor")
         section.add_row("Speed", self._speed, self._keyed)
-        self._repeats = self.bind(NumberField("Loop count", "", 1, MOST_REPEATS, 1, 0), self._set_repeats)
+        self._repeats = self.bind(NumberField("Loop count", "", 1, MOST_CLIP_REPEATS, 1, 0), self._set_repeats)
         section.add_row("Loop count", self._repeats)
         self._mirrored = self._box("Mirror left/right", self._set_mirrored)
         section.add_row("Mirror", self._mirrored)

@@ -9,7 +9,7 @@ from PySide6.QtGui import QColor, QKeyEvent, QKeySequence, QPainter, QPaintEvent
 from PySide6.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QVBoxLayout, QWidget
 
 from studio.document import colours
-from studio.library.clip_labels import SEGMENTS, ClipLabel, Kind, Limb
+from studio.library.clip_labels import HIT_SEGMENTS, ClipLabel, Kind, Limb
 from studio.panels.clip_line import ClipLine, ClipMark, with_mark
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, TagField, press_button, styled_label
 from studio.panels.stick_figure import FigureView, paint_sticks
@@ -104,7 +104,7 @@ class ClipForm(QScrollArea):
             self._replace_last(with_mark(self.label, mark, frame, self._opened.speeds.shape[1]))
 
     def _choose_limb(self, limb: Limb) -> None:
-        segments = SEGMENTS[limb.is_arm]
+        segments = HIT_SEGMENTS[limb.is_arm]
         segment = self.label.segment if self.label.segment in segments else segments[0]
         swapped = {Kind.PUNCH: Kind.KICK, Kind.KICK: Kind.PUNCH}
         wrong = Kind.KICK if limb.is_arm else Kind.PUNCH
@@ -135,7 +135,7 @@ class ClipForm(QScrollArea):
         label, opened = self.label, self._opened
         if opened is None:
             return
-        self.segment.offer([(each, each.capitalize()) for each in SEGMENTS[label.limb.is_arm]])
+        self.segment.offer([(each, each.capitalize()) for each in HIT_SEGMENTS[label.limb.is_arm]])
         for choice, value in ((self.limb, label.limb), (self.kind, label.kind), (self.segment, label.segment)):
             choice.show_value(value)
         self.tags.show_tags(label.tags)

@@ -1,1 +1,1 @@
-"""Start-up: process setup, missing system libraries, and kernels compiled in the background."""
+"""Start-up: process setup, detection of missing system libraries, and compilation of kernels in the background."""

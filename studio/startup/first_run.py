@@ -1,5 +1,5 @@
-"""Small test run of everything that a moved slider or target calls, and its parts in the order in which they are
-needed.
+"""Small test run of all code that a moved slider or target calls, and its parts in the order in which they
+are needed.
 """
 
 from studio.core.mesh.character import Character
@@ -28,8 +28,8 @@ def run() -> None:
 
 
 def run_seldom() -> None:
-    """Call the code of few scenes: rare solver kernels, dual-quaternion skinning, the library search,
-    reading captures.
+    """Run the code that few scenes need: rare solver kernels, dual-quaternion skinning, the library search, reading
+    captures.
     """
     warm_up_seldom(_character().morphology)
     first_picture.run(Blending.DUAL_QUATERNIONS)
@@ -38,20 +38,20 @@ def run_seldom() -> None:
 
 
 def run_standing() -> None:
-    """Call everything before constraints: reading and normalising a capture, and grounding any body."""
+    """Run the steps before constraints: reading and normalising a capture, and grounding any body."""
     warm_up_grounded_motion(_character().morphology)
     _read()
     warm_up_support(_character().morphology)
 
 
 def run_rest() -> None:
-    """Call the parts outside ``run_standing`` and ``run_constraints``: temporal smoothing, then ``run_seldom``."""
+    """Run the parts outside ``run_standing`` and ``run_constraints``: temporal smoothing, then ``run_seldom``."""
     warm_up_easing(_character().morphology)
     run_seldom()
 
 
 def run_constraints() -> None:
-    """Run only the part of ``run`` that takes longest to compile: the solver of constraints."""
+    """Run the solver of constraints, whose kernels take longest to compile."""
     warm_up_constraints(_character().morphology)
 
 

@@ -19,31 +19,33 @@ from subprocess import PIPE, Popen
 from typing import TYPE_CHECKING
 
 from studio.io.child_process import child_process
-from studio.startup.process import COLLECTED_AFTER, KERNELS
+from studio.startup.process import COLLECTION_THRESHOLDS, KERNELS_FOLDER
 from studio.startup.progress import progress_line
 
 if TYPE_CHECKING:
     from studio.startup.compile_work import CompileWork
 
-LOOKED_AT_EVERY, TOLD_EVERY = 0.1, 0.5
-"""Seconds between two polls of the processes, and between two progress lines that they write."""
-LONGEST_HELD = 10.0
-"""Seconds after which the kernels are fetched although the warm-up is still held."""
-PICTURE = ("first_picture.run",)
+CHILDREN_POLL_SECONDS, PROGRESS_LINE_SECONDS = 0.1, 0.5
+"""Seconds between two polls of the child processes, and between two progress lines that they write."""
+LONGEST_HELD_SECONDS = 10.0
+"""Seconds after which the kernels are loaded although the warm-up is still held."""
+PICTURE_FUNCTIONS = ("first_picture.run",)
+"""Functions of this package that compile the kernels for drawing a body."""
 WARM_STANDING, WARM_REST, WARM_CONSTRAINTS = "first_run.run_standing", "first_run.run_rest", "first_run.run_constraints"
-SOLVER = ((WARM_STANDING, WARM_REST), (WARM_CONSTRAINTS,))
-"""Functions that each process runs in turn."""
-COMPILED = 0.98
+SOLVER_FUNCTIONS = ((WARM_STANDING, WARM_REST), (WARM_CONSTRAINTS,))
+"""Functions of this package that each child process runs in turn."""
+COMPILED_FRACTION = 0.98
 """Progress (0 to 1) at which all kernels are compiled; the rest is loading them from their cache."""
-CHILD = (sys.executable, "-m", "studio.startup.kernel_warm_up")
-COMPLETE, LAST_TO_READ = "complete", "encode_channels.encode_frames-*.nbc"
-"""Name of the file that marks a complete cache, and pattern of a kernel that is cached once a capture was read."""
+CHILD_COMMAND = (sys.executable, "-m", "studio.startup.kernel_warm_up")
+"""Command that starts a child process, without its functions."""
+COMPLETE_MARK_FILE, READING_KERNEL_PATTERN = "complete", "encode_channels.encode_frames-*.nbc"
+"""Name of the file that marks a complete cache, and pattern of a kernel that is cached once a capture has been read."""
 
 
 class WarmUp:
-    """Warm-up on a thread that starts at once.
+    """Warm-up of the kernels on a thread that starts at once.
 
-    A caller that needs a kernel sooner waits for that one only. It must be stopped before the process ends.
+    A caller that needs some kernels sooner waits for those only. The warm-up must be stopped before the process ends.
     """
 
     def __init__(self, held: bool = False) -> None:
@@ -54,8 +56,8 @@ class WarmUp:
         self._let_go, self._drawable = threading.Event(), threading.Event()
         if not held:
             self.release()
-        self._shares = dict.fromkeys(SOLVER, 0.0)
-        self._running = {part: part[0] for part in SOLVER}
+        self._shares = dict.fromkeys(SOLVER_FUNCTIONS, 0.0)
+        self._running = {part: part[0] for part in SOLVER_FUNCTIONS}
         """The function that each process runs now."""
         # Imported on the thread: numba alone takes a third of a second, which the window need not wait for.
         self._thread = threading.Thread(target=self._run, name="warm-up", daemon=True)
@@ -63,7 +65,7 @@ class WarmUp:
 
     @property
     def running(self) -> bool:
-        """True while the warm-up has something left to do."""
+        """True until the warm-up has finished or was stopped."""
         return self._thread.is_alive()
 
     @property
@@ -81,7 +83,7 @@ class WarmUp:
         self._wait_for(self._ready)
 
     def join_grounded(self) -> None:
-        """Wait until bodies can be grounded. Raises as ``join``."""
+        """Wait until bodies can be grounded. Raises CancelledError if the warm-up was stopped."""
         self._wait_for(self._grounded)
 
     def join_picture(self) -> None:
@@ -89,26 +91,28 @@ class WarmUp:
         self._drawable.wait()
 
     def release(self) -> None:
-        """Let this process load the kernels, if it was held until now."""
+        """Let this process load the kernels if it was held."""
         self._let_go.set()
 
     def stop(self, patience: float | None = None) -> None:
-        """Stop the thread and the child processes; wait ``patience`` seconds for a kernel compiled here."""
+        """Stop the thread and the child processes; wait ``patience`` seconds for a kernel that this process
+        compiles.
+        """
         self._stopped.set()
         self._end_waiting()
         self.release()
         self._thread.join(patience)
 
     def follow(self, report: Callable[[float, str], None]) -> None:
-        """Report progress until the work is done: a job for ``TaskRunner``."""
+        """Report progress until the work is done; runs as a job of ``TaskRunner``."""
         while self.running:
             report(self.fraction, self.words)
-            time.sleep(LOOKED_AT_EVERY)
+            time.sleep(CHILDREN_POLL_SECONDS)
 
     @property
     def fraction(self) -> float:
-        """Progress from 0 to 1: that of the process which is farthest from its end."""
-        return COMPILED * min(self._shares.values()) if self.cold else 0.5 * self.grounded
+        """Progress from 0 to 1 of the process that is farthest from its end."""
+        return COMPILED_FRACTION * min(self._shares.values()) if self.cold else 0.5 * self.grounded
 
     @property
     def words(self) -> str:
@@ -127,13 +131,14 @@ class WarmUp:
     def _run(self) -> None:
         try:
             if self.cold:
-                with self._processes(PICTURE) as running:
+                with self._processes(PICTURE_FUNCTIONS) as running:
                     self._wait_while(running, lambda: True)
             self._drawable.set()
             if self.cold:
-                with self._processes(*SOLVER) as running:
+                with self._processes(*SOLVER_FUNCTIONS) as running:
                     self._wait_while(
-                        running, lambda: SOLVER[0] in running and self._running[SOLVER[0]] == WARM_STANDING
+                        running,
+                        lambda: SOLVER_FUNCTIONS[0] in running and self._running[SOLVER_FUNCTIONS[0]] == WARM_STANDING,
                     )
                     self._fetch(WARM_STANDING, self._grounded)
                     self._wait_while(running, lambda: True)
@@ -143,11 +148,11 @@ class WarmUp:
             self._end_waiting()
         self._fetch(WARM_REST)
         if not self._stopped.is_set() and (folder := os.environ.get("NUMBA_CACHE_DIR")):
-            Path(folder, COMPLETE).touch()
+            Path(folder, COMPLETE_MARK_FILE).touch()
 
     def _fetch(self, function: str, event: threading.Event | None = None) -> None:
         """Run a function in this process, once, and then set ``event``."""
-        self._let_go.wait(LONGEST_HELD)
+        self._let_go.wait(LONGEST_HELD_SECONDS)
         if not self._stopped.is_set() and not (event and event.is_set()):
             run(function)
             if event is not None:
@@ -155,14 +160,15 @@ class WarmUp:
 
     @contextmanager
     def _processes(self, *parts: Sequence[str]) -> Iterator[dict[Sequence[str], "Popen[bytes]"]]:
-        """Child processes that compile, by their functions.
+        """Context with child processes that compile, by their functions.
 
         They have the priority of this process, which waits for them, so that they get half of two processors that
         others keep busy.
         """
         with ExitStack() as stack:
             running = {
-                part: stack.enter_context(child_process((*CHILD, *part), stdout=PIPE, behind=0)) for part in parts
+                part: stack.enter_context(child_process((*CHILD_COMMAND, *part), stdout=PIPE, behind=0))
+                for part in parts
             }
             for part, child in running.items():
                 threading.Thread(target=self._listen, args=(part, child.stdout), daemon=True).start()
@@ -170,7 +176,7 @@ class WarmUp:
 
     def _wait_while(self, running: dict[Sequence[str], "Popen[bytes]"], goes_on: Callable[[], bool]) -> None:
         """Wait while processes run and ``goes_on`` returns True; remove those that have ended from ``running``."""
-        while running and goes_on() and not self._stopped.wait(LOOKED_AT_EVERY):
+        while running and goes_on() and not self._stopped.wait(CHILDREN_POLL_SECONDS):
             for part, child in [*running.items()]:
                 if child.poll() is not None:
                     del running[part]
@@ -185,7 +191,7 @@ class WarmUp:
 
 
 def compile_first() -> None:
-    """Compile all kernels if there are none yet, with the reason and the progress on standard error."""
+    """Compile all kernels if there are none yet; the reason and the progress are printed on standard error."""
     if not is_cold():
         return
     tell, warming = progress_line(), WarmUp()
@@ -197,19 +203,19 @@ def compile_first() -> None:
 
 
 def print_wait_reason() -> None:
-    """Report on standard error that the kernels for reading captures are being compiled, if they are not cached yet."""
-    if is_cold(LAST_TO_READ):
+    """Print on standard error that the kernels for reading captures are being compiled, if they are not cached yet."""
+    if is_cold(READING_KERNEL_PATTERN):
         print("Compiling the file readers, once on this computer: about ten seconds.", file=sys.stderr)
 
 
-def is_cold(last: str = COMPLETE) -> bool:
+def is_cold(last: str = COMPLETE_MARK_FILE) -> bool:
     """True if kernels are still to be compiled: the cache has no file ``last`` (default: the mark of a complete cache).
 
     Numba rejects kernels compiled before a kernel source file was written (in a fresh checkout, for example).
     """
     if (folder := os.environ.get("NUMBA_CACHE_DIR")) is None:
         return False
-    written = max(file.stat().st_mtime for file in KERNELS.rglob("*.py"))
+    written = max(file.stat().st_mtime for file in KERNELS_FOLDER.rglob("*.py"))
     return not any(found.stat().st_mtime >= written for found in Path(folder).rglob(last))
 
 
@@ -220,10 +226,10 @@ def run(function: str) -> None:
 
 
 def main() -> None:
-    """Run some functions in turn, and report the progress to the parent process."""
-    gc.set_threshold(*COLLECTED_AFTER)
+    """Run the functions named by the arguments in turn, and report the progress to the parent process."""
+    gc.set_threshold(*COLLECTION_THRESHOLDS)
     functions = sys.argv[1:]
-    if functions[0] not in PICTURE:
+    if functions[0] not in PICTURE_FUNCTIONS:
         threading.Thread(target=_tell, args=(functions, _work_of(functions)), daemon=True).start()
     while functions:
         run(functions[0])
@@ -231,13 +237,13 @@ def main() -> None:
 
 
 def _work_of(functions: Sequence[str]) -> "CompileWork":
-    """Kernels to compile: those of the solver for ``WARM_CONSTRAINTS``, all others for the other functions."""
+    """Work of compiling the kernels of the solver for ``WARM_CONSTRAINTS``, or all others for the other functions."""
     from studio.core.kernels.solve_clip import solve_frames
-    from studio.startup.compile_work import LINKING, CompileWork, all_kernels, kernels_below
+    from studio.startup.compile_work import LINKING_TIME_RATIO, CompileWork, all_kernels, kernels_below
 
     solver = kernels_below([solve_frames])
     if WARM_CONSTRAINTS in functions:
-        return CompileWork(solver.values(), LINKING)
+        return CompileWork(solver.values(), LINKING_TIME_RATIO)
     return CompileWork(each for each in all_kernels() if id(each) not in solver)
 
 
@@ -247,7 +253,7 @@ def _tell(functions: list[str], work: "CompileWork") -> None:
         while left := [*functions]:
             # A lock of print's might be held at Python's end.
             os.write(sys.stdout.fileno(), b"%s %.3f\n" % (left[0].encode(), work.fraction_done(time.process_time())))
-            time.sleep(TOLD_EVERY)
+            time.sleep(PROGRESS_LINE_SECONDS)
     except BrokenPipeError:
         os._exit(0)  # whoever listened is gone, and needs no kernels
 

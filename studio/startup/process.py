@@ -19,24 +19,28 @@ from pathlib import Path
 import platformdirs
 
 from studio.core.errors import StudioError
-from studio.startup.system_libraries import DRAWING, WINDOW_LIBRARIES, missing_libraries, sentence_about
+from studio.startup.system_libraries import DRAWING_LIBRARIES, WINDOW_LIBRARIES, missing_libraries, sentence_about
 
-LARGEST_KEPT, MOST_KEPT = 32 << 20, 256 << 20
-"""Bytes of the largest block of memory that is kept when it is freed, and of all freed memory kept."""
-ARENAS = 2
+LARGEST_KEPT_BYTES, MOST_KEPT_BYTES = 32 << 20, 256 << 20
+"""Largest freed block of memory that is kept, and maximum of all freed memory that is kept, in bytes."""
+MEMORY_ARENAS = 2
 """Number of heaps (glibc arenas) that threads share: each keeps its freed memory; glibc's default is eight per core."""
-COLLECTED_AFTER = (50_000, 20, 20)
-"""Thresholds of garbage collection (``gc.set_threshold``), the first in objects made between two collections."""
+COLLECTION_THRESHOLDS = (50_000, 20, 20)
+"""Thresholds of garbage collection (``gc.set_threshold``), the first in objects created between two collections."""
 _TRIM_THRESHOLD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -3, -8
 MOST_CACHES = 16
-"""Caches of compiled kernels that are kept, of 9 MB each: one for each checkout, machine and version in use."""
-KERNELS = Path(__file__).resolve().parents[1] / "core" / "kernels"
+"""Number of caches of compiled kernels that are kept, of 9 MB each: one for each checkout, machine and
+version in use.
+"""
+KERNELS_FOLDER = Path(__file__).resolve().parents[1] / "core" / "kernels"
+"""Folder of the sources of the kernels."""
 
 
 def prepare_process() -> None:
-    """Set the folder of compiled kernels, keep memory, print every stack after a crash in C++, draw without a display.
+    """Set up the process: folder of compiled kernels, memory, stack traces after a crash in C++, drawing without a
+    display.
 
-    Must run before numba and VTK are imported, because both read the environment once.
+    Must run before numba and VTK are imported, because both read the environment only once.
     """
     # A window started from a desktop icon may have no standard error; tests watch for crashes by themselves.
     if sys.stderr is not None and not faulthandler.is_enabled():
@@ -49,14 +53,14 @@ def prepare_process() -> None:
     os.environ.setdefault("ALLOW_PLOTTING", "true")  # else pyvista opens a window to see whether it can
     keep_freed_memory()
     # Hardly one of the many objects that imports make is ever lost: looking among them costs a tenth of a start.
-    gc.set_threshold(*COLLECTED_AFTER)
+    gc.set_threshold(*COLLECTION_THRESHOLDS)
 
 
 def name_kernel_cache() -> None:
-    """Set numba's cache of compiled kernels to the one of this version's sources.
+    """Set numba's cache of compiled kernels to the one for the present sources.
 
-    Must run before numba is imported. In numba's default cache beside the sources, an entry point outlives a change of
-    the kernels it calls.
+    Must run before numba is imported. In numba's default cache beside the sources, a kernel would stay cached although
+    the kernels that it calls have changed.
     """
     if "NUMBA_CACHE_DIR" not in os.environ:
         os.environ["NUMBA_CACHE_DIR"] = str(writable_kernel_cache())
@@ -69,13 +73,13 @@ def keep_freed_memory() -> None:
     again for the next; clearing the new pages would cost more than retargeting the clip.
     """
     if (mallopt := _of_glibc("mallopt")) is not None:
-        mallopt(_MMAP_THRESHOLD, LARGEST_KEPT)
-        mallopt(_TRIM_THRESHOLD, MOST_KEPT)
-        mallopt(_ARENA_MAX, ARENAS)
+        mallopt(_MMAP_THRESHOLD, LARGEST_KEPT_BYTES)
+        mallopt(_TRIM_THRESHOLD, MOST_KEPT_BYTES)
+        mallopt(_ARENA_MAX, MEMORY_ARENAS)
 
 
 def give_back_freed_memory() -> None:
-    """Return freed memory between used blocks to the system; to be called after much has been freed."""
+    """Return freed memory between used blocks to the system; useful after much has been freed."""
     if (malloc_trim := _of_glibc("malloc_trim")) is not None:
         malloc_trim(0)
 
@@ -87,7 +91,7 @@ def _of_glibc(name: str) -> Callable[..., int] | None:
 def writable_kernel_cache() -> Path:
     """Permanent cache folder, or a temporary one if the user's folders cannot be written.
 
-    Of all caches the ``MOST_CACHES`` used last are kept.
+    The ``MOST_CACHES`` most recently used caches are kept.
     """
     folder = kernel_cache_folder()
     try:
@@ -99,7 +103,7 @@ def writable_kernel_cache() -> Path:
 
 
 def remove_old_caches(used: Path) -> None:
-    """Mark a cache as ``used`` now; remove all others except the ``MOST_CACHES`` used last."""
+    """Mark the cache ``used`` as used now, and remove all others except the ``MOST_CACHES`` most recently used."""
     os.utime(used)
     by_use = sorted((each for each in used.parent.iterdir() if each.is_dir()), key=lambda each: each.stat().st_mtime)
     for old in by_use[:-MOST_CACHES]:
@@ -136,12 +140,12 @@ def kernel_cache_folder() -> Path:
     """
     cache = Path(platformdirs.user_cache_dir("morpho-studio", appauthor=False))
     maker = platform.python_version(), version("numba"), version("llvmlite"), processor()
-    where = hashlib.sha256("\0".join((str(KERNELS), *maker)).encode()).hexdigest()[:6]
-    return cache / "kernels" / f"{content_digest(sorted(KERNELS.rglob('*.py')))}-{where}"
+    where = hashlib.sha256("\0".join((str(KERNELS_FOLDER), *maker)).encode()).hexdigest()[:6]
+    return cache / "kernels" / f"{content_digest(sorted(KERNELS_FOLDER.rglob('*.py')))}-{where}"
 
 
 def processor() -> str:
-    """Model name and features of the processor, which determine the compiler's instructions."""
+    """Model name and features of the processor, which determine the compiled instructions."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
@@ -170,7 +174,7 @@ def check_libraries(window: bool = False) -> None:
     Must run before Qt and VTK are loaded, which would end the process.
     """
     lacking = (
-        missing_libraries({**DRAWING, **WINDOW_LIBRARIES} if window else DRAWING)
+        missing_libraries({**DRAWING_LIBRARIES, **WINDOW_LIBRARIES} if window else DRAWING_LIBRARIES)
         if sys.platform.startswith("linux")
         else {}
     )

@@ -1,14 +1,16 @@
-"""Progress of long work on standard error."""
+"""Progress of long work, printed on standard error."""
 
 import sys
 from collections.abc import Callable
 
 Progress = Callable[[float, str], None]
-"""Called with the part that is done, 0 to 1, and a text."""
+"""Callback for the fraction that is done, 0 to 1, and a text."""
 
 
 def progress_line() -> Progress:
-    """A progress line on standard error: rewritten in place on a terminal, else a new line every quarter."""
+    """Callback that prints a progress line on standard error: rewritten in place on a terminal, else a new line every
+    quarter.
+    """
     last_quarter = -1
 
     def show(fraction: float, text: str) -> None:

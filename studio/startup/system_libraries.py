@@ -1,4 +1,4 @@
-"""System libraries that Qt and VTK load at run time, and the missing ones among them.
+"""System libraries that Qt and VTK load at run time, and a check for missing ones.
 
 Both end the process if one is missing, so they are checked before. ``python system_libraries.py`` prints the missing
 Debian packages; it runs before anything is installed, and so imports only the standard library.
@@ -11,7 +11,7 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-DRAWING = {
+DRAWING_LIBRARIES = {
     "libEGL.so.1": "libegl1",
     "libGL.so.1": "libgl1",
     "libglib-2.0.so.0": "libglib2.0-0",
@@ -20,7 +20,9 @@ DRAWING = {
     "libfontconfig.so.1": "libfontconfig1",
     "libxkbcommon.so.0": "libxkbcommon0",
 }
-"""Debian's packages by library: what pictures are drawn with. Debian 13 takes ``libglib2.0-0`` for its own name."""
+"""Libraries needed to draw pictures, with their Debian packages. Debian 13 accepts ``libglib2.0-0`` for its
+own name.
+"""
 WINDOW_LIBRARIES = {
     "libxkbcommon-x11.so.0": "libxkbcommon-x11-0",
     "libxcb-cursor.so.0": "libxcb-cursor0",
@@ -33,10 +35,10 @@ WINDOW_LIBRARIES = {
     "libxcb-xkb.so.1": "libxcb-xkb1",
     "libX11-xcb.so.1": "libx11-xcb1",
 }
-"""Libraries that a window needs in addition to ``DRAWING``, with their Debian packages."""
-LIKED = {"libXcursor.so.1": "libxcursor1"}
+"""Libraries that a window needs in addition to ``DRAWING_LIBRARIES``, with their Debian packages."""
+OPTIONAL_LIBRARIES = {"libXcursor.so.1": "libxcursor1"}
 """Optional libraries of a window, with their Debian packages."""
-FONTS, FONT_PACKAGE = Path("/usr/share/fonts"), "fonts-dejavu-core"
+FONTS_FOLDER, FONT_PACKAGE = Path("/usr/share/fonts"), "fonts-dejavu-core"
 
 
 def missing_libraries(libraries: Mapping[str, str]) -> dict[str, str]:
@@ -45,18 +47,22 @@ def missing_libraries(libraries: Mapping[str, str]) -> dict[str, str]:
 
 
 def missing_packages() -> list[str]:
-    """Debian packages missing for pictures and a window."""
-    fonts = [] if FONTS.is_dir() and any(FONTS.rglob("*.[to]tf")) else [FONT_PACKAGE]
-    return list(dict.fromkeys([*missing_libraries({**DRAWING, **WINDOW_LIBRARIES, **LIKED}).values(), *fonts]))
+    """Debian packages that are missing for pictures and a window."""
+    fonts = [] if FONTS_FOLDER.is_dir() and any(FONTS_FOLDER.rglob("*.[to]tf")) else [FONT_PACKAGE]
+    return list(
+        dict.fromkeys(
+            [*missing_libraries({**DRAWING_LIBRARIES, **WINDOW_LIBRARIES, **OPTIONAL_LIBRARIES}).values(), *fonts]
+        )
+    )
 
 
 def sentence_about(libraries: Mapping[str, str]) -> str:
-    """Sentence on missing libraries, with the one command that installs everything for pictures and a window."""
+    """Sentence about missing libraries, with the command that installs everything for pictures and a window."""
     return f"System libraries are missing: {', '.join(libraries)}. {installation_advice(missing_packages())}"
 
 
 def installation_advice(packages: list[str]) -> str:
-    """Sentence with the command that installs packages, for root or another user, whichever runs this process."""
+    """Sentence with the command that installs packages, as root or as the user of this process."""
     if shutil.which("apt-get") is None:
         return f"Install what your system has for Debian's packages {' '.join(packages)}."
     line = f"apt-get update && apt-get install -y {' '.join(packages)}"

@@ -10,7 +10,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import limb_bones
 from studio.core.kernels import layout as at
 from studio.core.rotations import from_matrix, to_rotation_vector
-from studio.core.stage.correction import STILL, PoseOffsets
+from studio.core.stage.correction import NO_OFFSET, PoseOffsets
 from studio.document.correction_edits import correction_at, set_pose
 from studio.document.document import Document
 from studio.engine.posed_performer import PosedPerformer
@@ -145,4 +145,4 @@ class CorrectedJoint(Movable):
 
 def _vector(numbers: FloatArray) -> tuple[float, float, float]:
     x, y, z = (round(float(number), 6) for number in numbers)
-    return (x, y, z) if (x, y, z) != STILL else STILL
+    return (x, y, z) if (x, y, z) != NO_OFFSET else NO_OFFSET

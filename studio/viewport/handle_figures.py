@@ -15,7 +15,7 @@ from studio.core.constraints.kinds import CONSTRAINT_KINDS
 from studio.core.constraints.look_at import LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.own_place import KeyedOwnPlace
-from studio.core.constraints.parallel import AXIS_DRAWN, ParallelConstraint
+from studio.core.constraints.parallel import PARALLEL_AXIS_METRES, ParallelConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.target import own_place_of
@@ -143,7 +143,8 @@ def parallel_figure(constraint: ParallelConstraint, pose: PosedPerformer, floor:
     turn, other = _turn(pose, constraint.point), _turn(pose, constraint.other)
     lines = (
         *constraint.sketch(_point(pose, constraint.point), turn),
-        _point(pose, constraint.other) + AXIS_DRAWN * np.stack([np.zeros(3), other @ np.array(constraint.other_axis)]),
+        _point(pose, constraint.other)
+        + PARALLEL_AXIS_METRES * np.stack([np.zeros(3), other @ np.array(constraint.other_axis)]),
     )
     lean = float(constraint.lean(turn[None], other[None])[0])
     return HandleShape(lines=lines, missed=lean > measure_of(constraint).held_below)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from studio.core.constraints.balance import Support
-from studio.core.constraints.base import LEAST_WEIGHT, Constraint
+from studio.core.constraints.base import LEAST_CONSTRAINT_WEIGHT, Constraint
 from studio.core.rotations import from_matrix, to_matrix
 from studio.core.solver.asking.shared_goals import groups_with_shared_goal, weighted_mean
 from studio.core.solver.performers.stage import constraints_of_performer
@@ -107,7 +107,7 @@ def _shared_goals(moment: TargetContext, asked: Mapping[str, Constraint]) -> dic
         turns = targets[0].shape[1] == 4
         mean = weighted_mean([to_matrix(each) for each in targets] if turns else targets, np.array([*pulls.values()]))
         goal = tuple((from_matrix(mean) if turns else mean)[0].tolist())
-        found |= {key: (goal, bool(pull[0] > LEAST_WEIGHT)) for key, pull in pulls.items()}
+        found |= {key: (goal, bool(pull[0] > LEAST_CONSTRAINT_WEIGHT)) for key, pull in pulls.items()}
     return found
 
 

@@ -15,9 +15,9 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint, Vector
 from studio.core.constraints.carried_over import other_side
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
-from studio.core.constraints.fitted_activation import LONGEST, LimbPath, fitted_activation, free_frames
+from studio.core.constraints.fitted_activation import LONGEST_SIDE_SECONDS, LimbPath, fitted_activation, free_frames
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
-from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.look_at import EYES_POINT, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.parallel import ParallelConstraint
 from studio.core.constraints.position import PositionConstraint
@@ -123,7 +123,7 @@ class NewConstraintContext:
         motion, clip = self.pose.over_time, self.pose.clip
         assert clip is not None
         rate, speed = self.project.frame_rate_of(clip), float(speed_at(clip.speed, self.pose.seconds))
-        row, reach = self.pose.frame - motion.first_frame, round(LONGEST * motion.frame_rate / speed)
+        row, reach = self.pose.frame - motion.first_frame, round(LONGEST_SIDE_SECONDS * motion.frame_rate / speed)
         rows = slice(max(row - reach, 0), max(min(row + reach + 1, motion.frame_count), 0))
         since = (np.arange(rows.start, rows.stop) - row) / motion.frame_rate
         return motion, rows, clip.motion_seconds(clip.stage_seconds(self.pose.seconds, rate) + since, rate)
@@ -225,9 +225,9 @@ def new_orientation(here: NewConstraintContext) -> Constraint:
 
 def new_look_at(here: NewConstraintContext) -> Constraint:
     """Look-at constraint with a target ``LOOK_AT_DISTANCE`` ahead."""
-    target = here.place(EYES) + LOOK_AT_DISTANCE * here.rotation(EYES.part)[:, 0]
-    gazes = here.rotations(EYES.part)[:, :, 0]
-    return LookAtConstraint(**here.common("Look at", EYES, _HEAD, gazes), target=_vector(target))
+    target = here.place(EYES_POINT) + LOOK_AT_DISTANCE * here.rotation(EYES_POINT.part)[:, 0]
+    gazes = here.rotations(EYES_POINT.part)[:, :, 0]
+    return LookAtConstraint(**here.common("Look at", EYES_POINT, _HEAD, gazes), target=_vector(target))
 
 
 def new_upright(here: NewConstraintContext) -> Constraint:

@@ -9,7 +9,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.stage.project import Project
 from studio.io.json_text import json_of
 from studio.io.npy import array_of
-from studio.io.project.entity_json import Members, npy_parts, parsed, project_json, project_of
+from studio.io.project.entity_json import Members, npy_parts, parse_member, project_json, project_of
 from studio.io.project.value_json import MemberCodec, from_json, to_json
 from studio.viewport.camera import OrbitCamera
 
@@ -71,7 +71,7 @@ def receive_shots(stream: IO[bytes]) -> Shots:
     input.
     """
     head = json_of(stream.readline())
-    project = parsed(stream.read(head["project"]), "project")
+    project = parse_member(stream.read(head["project"]), "project")
     arrays = {name: array_of(stream.read(size)) for name, size in head["arrays"].items()}
     return Shots(
         project_of(project, arrays.__getitem__).project,

@@ -24,7 +24,7 @@ from studio.io.export import write_capture
 from studio.io.importing import ImportOptions
 from studio.jobs.adapted_files import AdaptSettings
 from studio.jobs.batch import BatchResult, BatchSettings, FileDone, run_batch
-from studio.jobs.batch_jobs import BatchJob, adapt_job, find_jobs, finished_jobs
+from studio.jobs.batch_jobs import BatchJob, adapt_job, find_jobs, finished_record
 from studio.jobs.batch_workers import can_fork
 from tests.architecture.sources import ROOT
 from tests.builders import make_capture
@@ -80,16 +80,16 @@ def test_each_capture_of_the_folder_and_those_below_is_a_job_and_what_was_writte
 
 def test_a_job_is_done_anew_only_when_something_that_matters_has_changed(folder):
     [_, _, job] = jobs_of(folder)
-    assert finished_jobs(job) is None
+    assert finished_record(job) is None
     record = adapt_job(job)
-    assert finished_jobs(job) == json.loads(json.dumps(record))
-    assert finished_jobs(jobs_of(folder, replace(SETTINGS, reading=ImportOptions(unit="inch")))[2]) is None
+    assert finished_record(job) == json.loads(json.dumps(record))
+    assert finished_record(jobs_of(folder, replace(SETTINGS, reading=ImportOptions(unit="inch")))[2]) is None
     [written] = record["written"]
     Path(written).write_text("touched")
-    assert finished_jobs(job) is None
+    assert finished_record(job) is None
     adapt_job(job)
     write_capture(make_capture(seed=7), folder / "walk.bvh")
-    assert finished_jobs(jobs_of(folder)[2]) is None
+    assert finished_record(jobs_of(folder)[2]) is None
 
 
 def test_a_report_that_is_none_of_ours_is_no_reason_to_skip(folder):
@@ -97,7 +97,7 @@ def test_a_report_that_is_none_of_ours_is_no_reason_to_skip(folder):
     job.report.parent.mkdir(parents=True)
     for content in ("", "[]", '{"digest": 1}', '{"written": 3}'):
         job.report.write_text(content)
-        assert finished_jobs(job) is None
+        assert finished_record(job) is None
 
 
 def test_what_goes_wrong_is_a_record_of_that_file_alone(folder, monkeypatch):
@@ -176,7 +176,7 @@ def test_with_a_worker_killed_half_way_nothing_is_lost(folder, two_workers):
     assert outcomes == ["done"] * 15
     assert len(rows(folder)) == 15
     assert all(row["error"] == "" and Path(row["file"]).is_file() for row in rows(folder))
-    assert all(finished_jobs(job) for job in find_jobs(folder, folder.parent / "out", SETTINGS))
+    assert all(finished_record(job) for job in find_jobs(folder, folder.parent / "out", SETTINGS))
 
 
 def test_stopped_it_says_how_far_it_came_and_keeps_it(folder, two_workers, monkeypatch, capsys):

@@ -7,7 +7,14 @@ import numpy as np
 import pytest
 
 from studio.cli.bench import bundled_capture
-from studio.cli.bench_cases import ELBOW_OFFSET, FRAMES, LIMB, TARGET_BEYOND_REACH, clip_of, make_tasks
+from studio.cli.bench_cases import (
+    BEYOND_REACH_METRES,
+    ELBOW_OFFSET_METRES,
+    LIMB_CHAIN,
+    MOST_BENCH_FRAMES,
+    clip_of,
+    make_tasks,
+)
 from studio.cli.bench_timing import BenchJob, time_jobs
 from studio.cli.main import main
 from studio.core.solver.adapt import adapt
@@ -45,7 +52,7 @@ def test_clips_begin_where_the_motion_does_and_end_in_time():
     first = ready.capture.first_frame
     assert np.array_equal(motion.channels, ready.motion.channels[first : first + 100])
     assert contacts
-    assert max(each.last for each in contacts) < 100 < FRAMES
+    assert max(each.last for each in contacts) < 100 < MOST_BENCH_FRAMES
 
 
 def test_the_wrist_that_is_called_reachable_is_reached(tasks):
@@ -56,8 +63,8 @@ def test_the_wrist_that_is_called_reachable_is_reached(tasks):
 def test_the_wrist_that_is_called_ten_centimetres_beyond_is_missed_by_so_much_by_the_arm_alone(tasks):
     task = _named(tasks, "10 cm")
     balance, wrist = task.request.constraints
-    alone = adapt(replace(task.request, constraints=(replace(wrist, chain=LIMB, priority=0),))).residuals[0]
-    assert np.allclose(alone, TARGET_BEYOND_REACH, atol=2e-3)
+    alone = adapt(replace(task.request, constraints=(replace(wrist, chain=LIMB_CHAIN, priority=0),))).residuals[0]
+    assert np.allclose(alone, BEYOND_REACH_METRES, atol=2e-3)
     assert balance.priority < wrist.priority
 
 
@@ -66,7 +73,7 @@ def test_the_elbow_that_is_called_lower_is_missed_and_takes_nothing_from_its_wri
     wrist, elbow = request.constraints
     both, alone = adapt(request).residuals, adapt(replace(request, constraints=(wrist,))).residuals
     assert elbow.priority > wrist.priority
-    assert both[1].min() > ELBOW_OFFSET / 2
+    assert both[1].min() > ELBOW_OFFSET_METRES / 2
     assert (both[0] <= alone[0] + 2e-4).all()
 
 

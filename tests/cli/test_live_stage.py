@@ -3,7 +3,7 @@
 import json
 from dataclasses import replace
 
-from studio.cli.live_stage import played
+from studio.cli.live_stage import live_stage_report
 from studio.cli.main import main
 from studio.core.stage.behaviour import Transition
 from studio.core.stage.conditions import ClipEndCondition, EventCondition, KeyCondition, TimeCondition
@@ -23,7 +23,7 @@ def fighting():
 
 
 def test_a_stage_plays_for_so_many_seconds_and_tells_of_steps_states_and_takeovers():
-    report = played(fighting(), 2.0, [(0.4, "K")])
+    report = live_stage_report(fighting(), 2.0, [(0.4, "K")])
     assert report["ok"]
     assert report["steps"] == 120
     assert report["steps_a_second"] > 0.0
@@ -37,7 +37,7 @@ def test_a_stage_plays_for_so_many_seconds_and_tells_of_steps_states_and_takeove
 def test_what_is_asked_is_counted_where_it_is_asked_wholly_and_where_it_is_met():
     asked = {"near": reaching("straight_punch", (0.4, -0.2, 1.1)), "far": reaching("straight_punch", (4.0, 0.0, 1.1))}
     project = replace(fighting(), constraints=asked)
-    near, far = played(project, 0.4)["performers"][0]["constraints"]
+    near, far = live_stage_report(project, 0.4)["performers"][0]["constraints"]
     assert near["steps_asked"] == far["steps_asked"]
     assert near["reached"] != far["reached"]
 

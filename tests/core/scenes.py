@@ -11,7 +11,7 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowTracked
-from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.look_at import EYES_POINT, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.solver.adapt import body_point_positions
@@ -79,8 +79,8 @@ class Scene:
         return OrientationConstraint(**fields, target=follow)
 
     def look_at(self, number: int) -> Constraint:
-        ahead = body_point_positions(EYES, self.before) + np.array([2.0, 0.0, 0.0])
-        fields = {**self.common(number), "point": EYES}
+        ahead = body_point_positions(EYES_POINT, self.before) + np.array([2.0, 0.0, 0.0])
+        fields = {**self.common(number), "point": EYES_POINT}
         return LookAtConstraint(**fields, target=self.swing(number, ahead, 0.5))
 
     def distance(self, number: int) -> Constraint:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Chain
-from studio.core.constraints.fitted_activation import HOLD, RAMP, fitted_activation
+from studio.core.constraints.fitted_activation import DEFAULT_HOLD_SECONDS, DEFAULT_RAMP_SECONDS, fitted_activation
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.scope import Scope
 from studio.core.curves.activation import ActivationCurve, EaseShape, ease
@@ -22,7 +22,7 @@ from studio.core.stage.clip_row import clip_halves
 from studio.core.stage.project import Performer, Project
 from studio.engine.residuals import residuals_on
 from studio.jobs.performances import prepared_capture
-from studio.library.scenes.stagehand import bodies, material
+from studio.library.scenes.stagehand import source_motions, varied_characters
 
 # An activation curve is a function of time only.
 
@@ -120,7 +120,7 @@ def test_an_unknown_shape_is_refused() -> None:
 
 
 SECONDS = np.arange(360) / 120.0
-USUAL = (HOLD, RAMP)
+USUAL = (DEFAULT_HOLD_SECONDS, DEFAULT_RAMP_SECONDS)
 NONE = 1e-9
 
 
@@ -203,12 +203,12 @@ WHOLE = Clip("reach", 30, 300, 0.0, "one")
 
 @cache
 def stuff():
-    return material(reach=("Reach", "reach_grasp"))
+    return source_motions(reach=("Reach", "reach_grasp"))
 
 
 def staged(*clips: Clip, **asked: PositionConstraint) -> Project:
     performers = {"one": Performer("One", "adult_woman", clips)}
-    return Project(stuff().captures, stuff().motions, bodies(5), performers, asked, stuff().contacts)
+    return Project(stuff().captures, stuff().motions, varied_characters(5), performers, asked, stuff().contacts)
 
 
 def played(*clips: Clip, **asked: PositionConstraint) -> Performance:

@@ -23,6 +23,7 @@ from studio.core.stage.behaviour import (
     initial_progress,
     without_references,
 )
+from studio.core.stage.behaviour_target import BehaviourTarget, DistanceMeasure, FollowPartner
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import (
     ClipEndCondition,
@@ -33,10 +34,9 @@ from studio.core.stage.conditions import (
     KeyCondition,
     TimeCondition,
 )
-from studio.core.stage.manners import KeepDistance, LeanAway, Manner, Meet, manner_constraints
 from studio.core.stage.project import Project, references
 from studio.core.stage.prop import Prop
-from studio.core.stage.whom import BehaviourTarget, DistanceMeasure, FollowPartner
+from studio.core.stage.reactions import KeepDistance, LeanAway, Meet, Reaction, reaction_constraints
 from studio.io.project.entity_json import entity_of, entity_record, project_json, project_of
 from tests.builders import make_project
 
@@ -71,7 +71,7 @@ conditions: st.SearchStrategy[Condition] = st.one_of(
     st.builds(KeyCondition, names),
 )
 curves = st.lists(metres, min_size=4, max_size=4).map(lambda times: ActivationCurve(*sorted(times)))
-manners: st.SearchStrategy[Manner] = st.one_of(
+manners: st.SearchStrategy[Reaction] = st.one_of(
     st.builds(KeepDistance, whoms, metres, metres, st.booleans()),
     st.builds(LeanAway, whoms, points, metres),
     st.builds(Meet, whoms, points, curves, st.just(Chain(trunk=0.5))),
@@ -202,12 +202,12 @@ def test_what_has_to_be_measured_is_what_leads_away() -> None:
 
 def test_manners_are_constraints_after_the_partner() -> None:
     meet, lean, keep = Meet(), LeanAway(metres=0.3), KeepDistance()
-    first, second = manner_constraints((meet, lean, keep), "motion", "other", "Guard")
+    first, second = reaction_constraints((meet, lean, keep), "motion", "other", "Guard")
     assert isinstance(first, PositionConstraint)
     assert first.target == FollowPerformer("other", meet.whom.point)  # type: ignore[union-attr]
     assert isinstance(second, AreaConstraint)
     assert second.size[0] == pytest.approx(2 * lean.metres)
-    assert manner_constraints((meet, lean, keep), "motion", "", "Guard") == ()
+    assert reaction_constraints((meet, lean, keep), "motion", "", "Guard") == ()
 
 
 def test_a_project_of_before_there_were_behaviours_opens_with_none() -> None:

@@ -15,7 +15,7 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture, Guess
 from studio.core.errors import StudioError
 from studio.core.normalized.normalize import normalize_capture
-from studio.core.windows import bell_average, highest, lowest
+from studio.core.windows import bell_average, sliding_maximum, sliding_minimum
 from studio.io.importing import ImportOptions, load_capture
 from tests.builders import BODY_MAP, make_capture, make_skeleton
 from tests.io.bvh_text import bvh_text
@@ -87,9 +87,13 @@ def test_a_track_is_smoothed_as_scipy_does_with_its_ends_held(frames: int, sigma
 @pytest.mark.parametrize("reach", [0, 1, 30])
 def test_the_highest_and_the_lowest_of_a_window_are_scipys(frames: int, reach: int) -> None:
     track = np.random.default_rng(reach).normal(size=frames)
-    np.testing.assert_array_equal(highest(track, reach), ndimage.maximum_filter1d(track, 2 * reach + 1, mode="nearest"))
-    np.testing.assert_array_equal(lowest(track, reach), ndimage.minimum_filter1d(track, 2 * reach + 1, mode="nearest"))
-    assert highest(track > 0.0, reach).dtype == bool
+    np.testing.assert_array_equal(
+        sliding_maximum(track, reach), ndimage.maximum_filter1d(track, 2 * reach + 1, mode="nearest")
+    )
+    np.testing.assert_array_equal(
+        sliding_minimum(track, reach), ndimage.minimum_filter1d(track, 2 * reach + 1, mode="nearest")
+    )
+    assert sliding_maximum(track > 0.0, reach).dtype == bool
 
 
 # Fingers are found below the hands by their names in every program's spelling.

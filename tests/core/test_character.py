@@ -16,7 +16,7 @@ from studio.core.body.morphology import Proportions
 from studio.core.body.rest_pose import rest_pose
 from studio.core.body.skeleton import Skeleton
 from studio.core.body.standing import standing_points
-from studio.core.mannequin.tailoring import tailored
+from studio.core.mannequin.tailoring import tailored_character
 from studio.core.mesh.character import Character
 from studio.core.mesh.skin import Blending, bound_pose, fit_skin, skin_vertices
 from studio.core.normalized.normalize import normalize_capture
@@ -410,7 +410,7 @@ def test_by_dual_quaternions_a_twisted_forearm_keeps_its_girth_where_linear_blen
 def test_a_tailored_mannequin_has_the_measures_asked_for_and_a_whole_trunk(character: Character, count: int):
     spine = np.tile(character.build.spine.sum(axis=0) / count, (count, 1))
     body = Proportions(stature=0.9, thighs=1.1, upper_arms=0.95).applied_to(replace(character.build, spine=spine))
-    made = tailored("Actor", "#112233", body, bundled_characters().values())
+    made = tailored_character("Actor", "#112233", body, bundled_characters().values())
     assert made.morphology == body
     heights = made.skin.vertices[:, 2]
     assert heights.max() - heights.min() == pytest.approx(body.stature, rel=0.03)
@@ -427,7 +427,7 @@ def test_the_soles_of_a_tailored_mannequin_are_on_the_ground_however_high_its_an
     foot = pattern.foot.copy()
     foot[:, 2] = -0.6 * ankle
     body = replace(pattern, foot=foot, ankle_height=np.full(2, ankle), toe_height=np.full(2, 0.4 * ankle))
-    made = tailored("Actor", "#112233", body, bundled_characters().values())
+    made = tailored_character("Actor", "#112233", body, bundled_characters().values())
     feet = made.skin.segments[:, 0] >= body.layout.spine_count + 12
     assert made.skin.vertices[feet, 2].min() == pytest.approx(0.0, abs=0.006)
 

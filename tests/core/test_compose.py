@@ -14,8 +14,8 @@ from studio.core.constraints.carried_over import ClipTransform, constraint_on_cl
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.curves.retiming import (
-    FASTEST_CLIP,
-    SLOWEST_CLIP,
+    FASTEST_CLIP_SPEED,
+    SLOWEST_CLIP_SPEED,
     motion_seconds,
     playing_seconds,
     scaled_speed,
@@ -26,12 +26,12 @@ from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.compose import Composite, compose_pieces
 from studio.core.normalized.differences import channel_difference, with_difference
-from studio.core.normalized.joining import SAME_PLACE, PlanarTransform, average_body
+from studio.core.normalized.joining import SAME_FOOTHOLD_DISTANCE, PlanarTransform, average_body
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import capture_contacts, normalize_capture
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.normalized.realize import realize_motion
-from studio.core.normalized.transition import MOST_TRANSITION, QUIET_PEAK, placed_channels
+from studio.core.normalized.transition import MOST_TRANSITION_SECONDS, QUIET_PEAK, placed_channels
 from studio.core.quality.metrics import angular_acceleration, contact_quality
 from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.performers.rows import clip_transform
@@ -152,7 +152,7 @@ def test_a_clip_goes_on_where_the_one_before_has_ended(second: str) -> None:
         for channels in (before.motion.channels[-1:], begin)
     ]
     nearer = np.linalg.norm(feet[1] - feet[0], axis=1).min()
-    assert nearer < SAME_PLACE * average_body().leg_length
+    assert nearer < SAME_FOOTHOLD_DISTANCE * average_body().leg_length
     apart = compose_pieces((before, cut(after, start=before.end, joined=False)))
     np.testing.assert_allclose(apart.motion.channels[-1, :2], after.motion.channels[-1, :2], atol=1e-12)
 
@@ -228,7 +228,7 @@ def test_a_clip_over_a_longer_one_takes_over_in_its_first_second() -> None:
     """It would not be seen at all if it took over as it ends."""
     kick = example("front_kick")
     row = compose_pieces((example("walk_turn"), cut(kick, start=2.0)))
-    assert row.played[0].last < row.played[1].first <= round((2.0 + MOST_TRANSITION) * row.timing.frame_rate)
+    assert row.played[0].last < row.played[1].first <= round((2.0 + MOST_TRANSITION_SECONDS) * row.timing.frame_rate)
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -332,7 +332,7 @@ def keyed_speeds(draw):
     """Speeds with one to five keys, some of them stepped or linear."""
     count = draw(some.integers(1, 5))
     gaps = draw(some.lists(some.floats(0.3, 2.0), min_size=count, max_size=count))
-    values = draw(some.lists(some.floats(SLOWEST_CLIP, FASTEST_CLIP), min_size=count, max_size=count))
+    values = draw(some.lists(some.floats(SLOWEST_CLIP_SPEED, FASTEST_CLIP_SPEED), min_size=count, max_size=count))
     modes = draw(some.lists(some.sampled_from([None, *TangentMode]), min_size=count, max_size=count))
     start = draw(some.floats(-1.0, 3.0))
     tangents = tuple(None if mode in (None, TangentMode.FREE) else tangents_of(mode, (1.0, 1.0)) for mode in modes)
@@ -370,7 +370,7 @@ def test_a_speed_with_one_key_plays_as_the_constant_one_does(constant):
 
 def test_a_speed_that_is_scaled_keeps_its_shape_within_the_range_of_clips():
     assert scaled_speed(2.0, 0.5) == 1.0
-    assert scaled_speed(2.0, 100.0) == FASTEST_CLIP
+    assert scaled_speed(2.0, 100.0) == FASTEST_CLIP_SPEED
     assert scaled_speed(SLOW_MIDDLE, 2.0).values == pytest.approx((2.0, 2 / 3, 2 / 3, 2.0))
     seconds = np.linspace(0.0, 4.0, 60)
     half = playing_seconds(scaled_speed(SLOW_MIDDLE, 2.0), seconds)

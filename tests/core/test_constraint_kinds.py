@@ -18,7 +18,7 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.carried_over import ClipTransform, constraint_on_clip
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.kinds import CONSTRAINT_KINDS, ConstraintKind
-from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.look_at import EYES_POINT, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.parallel import ParallelConstraint
 from studio.core.constraints.position import PositionConstraint
@@ -108,10 +108,10 @@ def test_a_hand_reaches_its_target_and_keeps_its_orientation_there(body: Morphol
 def test_eyes_face_what_they_look_at(body: Morphology) -> None:
     target = np.array([2.0, 1.0, 1.2])
     adapted = adapt(
-        AdaptRequest(WALK, body, CONTACTS, (ask(LookAtConstraint, EYES, HEAD, target=tuple(target)),)), 0, 9
+        AdaptRequest(WALK, body, CONTACTS, (ask(LookAtConstraint, EYES_POINT, HEAD, target=tuple(target)),)), 0, 9
     )
     gaze = adapted.rotations[:, body.layout.head_joint, :, 0]
-    line = target - body_point_positions(EYES, adapted)
+    line = target - body_point_positions(EYES_POINT, adapted)
     assert np.sum(gaze * line, axis=1) == pytest.approx(np.linalg.norm(line, axis=1), rel=1e-4)
 
 
@@ -268,8 +268,8 @@ def test_an_axis_stays_within_its_cone_in_every_frame(body: Morphology, point: B
 @every_body
 def test_a_head_that_is_kept_upright_looks_round_for_a_lower_constraint(body: Morphology, cone: float) -> None:
     head = ask(UprightConstraint, BodyPoint(BodyPart.HEAD), HEAD, cone=cone)
-    eyes = body_point_positions(EYES, solved(body))[30]
-    aside = ask(LookAtConstraint, EYES, HEAD, 1, target=(eyes[0] + 1.5, eyes[1] + 1.5, eyes[2]))
+    eyes = body_point_positions(EYES_POINT, solved(body))[30]
+    aside = ask(LookAtConstraint, EYES_POINT, HEAD, 1, target=(eyes[0] + 1.5, eyes[1] + 1.5, eyes[2]))
     alone, both = solved(body, head), solved(body, head, aside)
     segment = body.layout.segment_of_part(BodyPart.HEAD)
     assert head.lean(both.rotations[:, segment]).max() <= MET_ANGLE

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from studio.core.captures.contacts import (
     BODY_POINTS,
     FOOT_POINTS,
-    WANDER,
+    GREATEST_WANDER_METRES,
     ContactInterval,
     ContactPoint,
     Span,
@@ -186,7 +186,7 @@ def test_a_foot_that_rolls_from_heel_to_toe_is_never_in_the_air() -> None:
     assert with_step_gaps_closed(rolling, [(39, 60)], middle, 3) == (rolling, [(36, 60)])
     assert with_step_gaps_closed([(39, 60)], rolling, middle, 3) == ([(36, 60)], rolling)
     assert with_step_gaps_closed(rolling, [(40, 60)], middle, 3) == (rolling, [(40, 60)])
-    middle[37:, 0] = 2.0 * WANDER
+    middle[37:, 0] = 2.0 * GREATEST_WANDER_METRES
     assert with_step_gaps_closed(rolling, [(39, 60)], middle, 3) == (rolling, [(39, 60)])
 
 
@@ -334,7 +334,7 @@ def test_a_shank_lies_that_is_nearly_level(degrees: float, lies: bool) -> None:
 
 def test_what_creeps_along_the_ground_touches_only_while_it_stays() -> None:
     first, last = _touching(ContactPoint.LEFT_KNEE, _above_floor(0.06, drift=0.2))[0]
-    assert 0.2 * (last - first) / RATE <= 2 * WANDER + 0.01
+    assert 0.2 * (last - first) / RATE <= 2 * GREATEST_WANDER_METRES + 0.01
 
 
 def test_a_hand_that_goes_on_slowly_stands_where_it_was_and_where_it_comes_to() -> None:

@@ -16,7 +16,7 @@ from studio.core.rotations import from_matrix, from_rotation_vector, to_matrix, 
 from studio.core.solver.adapt import adapt, body_point_positions, grounded_motion
 from studio.core.solver.correction_layer import FREED_FOOT_SPEED
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.stage.correction import Correction, KeyedPoses, PoseOffsets, range_around
+from studio.core.stage.correction import Correction, KeyedPoses, PoseOffsets, new_correction_range
 from tests.builders import make_morphology
 from tests.core.motions import walk
 
@@ -178,7 +178,7 @@ def test_a_key_beyond_the_range_takes_the_range_along() -> None:
     grown = correction().with_key(2.0, PoseOffsets(ELBOW))
     np.testing.assert_allclose(grown.activation.times, (0.8, 1.0, 2.0, 2.2))
     assert grown.keys.times == (1.1, 2.0)
-    assert range_around(1.0).times == pytest.approx((0.75, 0.95, 1.05, 1.25))
+    assert new_correction_range(1.0).times == pytest.approx((0.75, 0.95, 1.05, 1.25))
 
 
 def test_a_correction_above_is_reported_on_a_body_without_constraints() -> None:

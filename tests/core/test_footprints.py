@@ -320,7 +320,7 @@ def test_a_sole_is_nudged_on_to_one_tread_wherever_6_cm_suffice(seed: int, rise:
     steps, tries = Steps(0.0, rise, 0.3, 9), np.linspace(-0.06, 0.06, 121)
     heel = np.random.default_rng(seed).uniform([-0.5, -1.0], [3.0, 1.0], (30, 2))
     soles = heel[:, None] + np.array([[0.0, 0.0], [0.17, 0.0], [0.24, 0.0]])
-    shifts = steps.nudges(soles)
+    shifts = steps.foothold_offsets(soles)
     assert (np.abs(shifts[:, 0]) <= 0.06 + 1e-12).all()
     assert (shifts[:, 1] == 0.0).all()
     ends = np.array([-0.006, 0.246])  # with the room that a sole keeps from a riser
@@ -332,7 +332,7 @@ def test_a_sole_is_nudged_on_to_one_tread_wherever_6_cm_suffice(seed: int, rise:
 
 
 def test_steps_without_rise_nudge_nobody() -> None:
-    assert not Steps(0.0, 0.0).nudges(np.random.default_rng(0).uniform(-1, 1, (9, 3, 2))).any()
+    assert not Steps(0.0, 0.0).foothold_offsets(np.random.default_rng(0).uniform(-1, 1, (9, 3, 2))).any()
 
 
 def test_kinds_are_named_apart_and_differ_by_value() -> None:

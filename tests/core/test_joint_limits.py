@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from studio.core.body.canonical import BodyPart
-from studio.core.body.joint_limits import HIP, SHOULDER, BallLimit, limb_limit_records
+from studio.core.body.joint_limits import HIP_RANGE, SHOULDER_RANGE, BallLimit, limb_limit_records
 from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.follow import FollowTracked
@@ -207,11 +207,13 @@ def _part_of(ball: BallLimit, posture: np.ndarray) -> float:
 
 
 PUBLISHED = {
-    "flexion": (SHOULDER, HANGING, ("y", -167.0)), "extension": (SHOULDER, HANGING, ("y", 62.0)),
-    "abduction": (SHOULDER, HANGING, ("x", 180.0)), "across": (SHOULDER, HANGING, ("x", 90.0), ("z", -135.0)),
-    "behind": (SHOULDER, HANGING, ("x", 90.0), ("z", 45.0)), "hip flexion": (HIP, STANDING, ("y", -122.0)),
-    "hip extension": (HIP, STANDING, ("y", 20.0)), "hip abduction": (HIP, STANDING, ("x", 46.0)),
-    "hip adduction": (HIP, STANDING, ("x", -27.0)), "sitting astride": (HIP, STANDING, ("y", -90.0), ("z", 45.0)),
+    "flexion": (SHOULDER_RANGE, HANGING, ("y", -167.0)), "extension": (SHOULDER_RANGE, HANGING, ("y", 62.0)),
+    "abduction": (SHOULDER_RANGE, HANGING, ("x", 180.0)),
+    "across": (SHOULDER_RANGE, HANGING, ("x", 90.0), ("z", -135.0)),
+    "behind": (SHOULDER_RANGE, HANGING, ("x", 90.0), ("z", 45.0)), "hip flexion": (HIP_RANGE, STANDING, ("y", -122.0)),
+    "hip extension": (HIP_RANGE, STANDING, ("y", 20.0)), "hip abduction": (HIP_RANGE, STANDING, ("x", 46.0)),
+    "hip adduction": (HIP_RANGE, STANDING, ("x", -27.0)),
+    "sitting astride": (HIP_RANGE, STANDING, ("y", -90.0), ("z", 45.0)),
 }  # fmt: skip
 
 
@@ -224,12 +226,12 @@ def test_published_ranges_lie_within_the_limits(name: str) -> None:
 @pytest.mark.parametrize(
     ("ball", "start", "turns"),
     [
-        (SHOULDER, HANGING, [("y", 110.0)]),
-        (SHOULDER, HANGING, [("x", 90.0), ("z", 80.0)]),
-        (SHOULDER, HANGING, [("x", 90.0), ("z", -190.0)]),
-        (HIP, STANDING, [("y", 60.0)]),
-        (HIP, STANDING, [("x", 100.0)]),
-        (HIP, STANDING, [("y", -160.0)]),
+        (SHOULDER_RANGE, HANGING, [("y", 110.0)]),
+        (SHOULDER_RANGE, HANGING, [("x", 90.0), ("z", 80.0)]),
+        (SHOULDER_RANGE, HANGING, [("x", 90.0), ("z", -190.0)]),
+        (HIP_RANGE, STANDING, [("y", 60.0)]),
+        (HIP_RANGE, STANDING, [("x", 100.0)]),
+        (HIP_RANGE, STANDING, [("y", -160.0)]),
     ],
 )
 def test_what_nobody_can_lies_beyond(ball: BallLimit, start: np.ndarray, turns: list[tuple[str, float]]) -> None:

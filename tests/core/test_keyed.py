@@ -13,7 +13,12 @@ from studio.core.body.canonical import BodyPart
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Proportions
 from studio.core.constraints.base import BodyPoint, Chain
-from studio.core.constraints.carried_over import MIRROR, ClipTransform, constraint_on_clip, mirrored_constraint
+from studio.core.constraints.carried_over import (
+    MIRROR_TRANSFORM,
+    ClipTransform,
+    constraint_on_clip,
+    mirrored_constraint,
+)
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.procedural import CirclePlace, NoisePlace, PendulumPlace, ProceduralPlace
@@ -330,7 +335,7 @@ def test_a_mirrored_rotation_curve_is_the_mirror_image_and_twice_the_curve_itsel
     constraint = OrientationConstraint(base.motion_id, "Hand", base.point, base.chain, 0, base.activation, target=keyed)
     once = mirrored_constraint(constraint)
     times = np.linspace(keyed.times[0], keyed.times[-1], 25)
-    mirrored = MIRROR.rotations(Rotation.from_matrix(keyed.at(times)).as_quat(), base.point.part)
+    mirrored = MIRROR_TRANSFORM.rotations(Rotation.from_matrix(keyed.at(times)).as_quat(), base.point.part)
     assert once.target.at(times) == pytest.approx(to_matrix(mirrored), abs=1e-6)
     assert mirrored_constraint(once).target.at(times) == pytest.approx(keyed.at(times), abs=1e-9)
 

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Proportions
 from studio.core.body.rest_pose import rest_pose
-from studio.core.mannequin.physiques import BUNDLED
+from studio.core.mannequin.physiques import BUNDLED_PHYSIQUES
 from studio.core.mannequin.sculpt import make_mannequin
 from studio.core.mesh.character import Character
 from studio.core.mesh.hand_shapes import FIST_GRIP, HALF_CLOSED_GRIP, OPEN_GRIP, RELAXED_GRIP
@@ -171,7 +171,7 @@ def test_bodies_weigh_what_such_people_weigh():
 
 def test_sculpting_again_gives_the_bundled_mesh():
     name = "child"
-    again = make_mannequin(BUNDLED[name][2])
+    again = make_mannequin(BUNDLED_PHYSIQUES[name][2])
     bundled = bundled_characters()[name]
     assert len(again.vertices) == pytest.approx(len(bundled.skin.vertices), rel=0.02)
-    assert BUNDLED[name][2].morphology() == bundled.build
+    assert BUNDLED_PHYSIQUES[name][2].morphology() == bundled.build

@@ -13,7 +13,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.body.pose import PoseSequence
 from studio.core.constraints.balance import BalanceConstraint
-from studio.core.constraints.base import SINGLE, BodyPoint, Chain, Constraint
+from studio.core.constraints.base import WEIGHTED_PARTS, BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
@@ -534,5 +534,5 @@ def test_a_pelvis_with_a_weight_turns_and_the_feet_stay(body: Morphology) -> Non
 def test_segments_with_the_weights_of_their_groups_are_as_none_to_the_bit(body: Morphology) -> None:
     chain = Chain(clavicle=0.5, trunk=0.7, root=1.0)
     asked = _reach(body, chain)
-    same = replace(asked, chain=replace(chain, segments=tuple((part, chain.weight(part)) for part in SINGLE)))
+    same = replace(asked, chain=replace(chain, segments=tuple((part, chain.weight(part)) for part in WEIGHTED_PARTS)))
     assert np.array_equal(_walking(body, same).rotations, _walking(body, asked).rotations)

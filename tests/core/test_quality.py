@@ -40,7 +40,7 @@ from studio.core.quality.report import (
     BLOCKED_BY_NOTHING,
     BLOCKED_BY_REACH,
     BLOCKED_BY_SMOOTHING,
-    MET_BY_UNIT,
+    MET_TOLERANCE_BY_UNIT,
     QualityReport,
     blocking_constraints,
     fully_active,
@@ -396,7 +396,7 @@ def blockers(request: AdaptRequest) -> set[int]:
     standing = grounded_motion_of(request)
     adapted = solve_constraints(standing, request.constraints, 20, 60, eased=request.eased)
     report = report_of(standing, request, adapted)
-    limits = [[MET_BY_UNIT[each.unit]] for each in request.constraints]
+    limits = [[MET_TOLERANCE_BY_UNIT[each.unit]] for each in request.constraints]
     missed = (report.misses > limits) & fully_active(request.constraints, request.motion.times[20:61])
     return set(report.winners[missed].tolist())
 
@@ -446,7 +446,7 @@ def test_reach_is_named_only_where_a_body_that_is_free_of_all_else_misses_as_wel
         for row, constraint in enumerate(asked):
             alone = solve_constraints(standing, [constraint], bound=free).residuals[0]
             missed = alone[found[row]]
-            assert np.count_nonzero(missed > MET_BY_UNIT[constraint.unit]) >= 0.9 * len(missed)
+            assert np.count_nonzero(missed > MET_TOLERANCE_BY_UNIT[constraint.unit]) >= 0.9 * len(missed)
 
 
 def test_a_sample_stands_for_frames_around_it_in_which_the_same_is_active_and_missed() -> None:

@@ -44,9 +44,9 @@ from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import DistanceCondition, EventCondition, KeyCondition, TimeCondition
 from studio.core.stage.correction import Correction, KeyedPoses, PoseOffsets
-from studio.core.stage.manners import KeepDistance, LeanAway
 from studio.core.stage.project import Performer
 from studio.core.stage.prop import Carried, Prop, PropShape
+from studio.core.stage.reactions import KeepDistance, LeanAway
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture, make_constraint, make_morphology
 from tests.core.motions import walk

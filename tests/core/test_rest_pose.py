@@ -13,7 +13,7 @@ from studio.core.body.morphology import Morphology
 from studio.core.body.rest_pose import rest_pose
 from studio.core.captures.capture import Capture
 from studio.core.captures.reference_pose import find_reference_pose
-from studio.core.mannequin.physiques import BUNDLED
+from studio.core.mannequin.physiques import BUNDLED_PHYSIQUES
 from studio.core.normalized.alignment import align_soles, find_alignments
 from studio.core.normalized.landmarks import find_landmarks
 from studio.core.rigs.zero_pose import with_zero_pose
@@ -24,7 +24,7 @@ from tests.core.motions import HINGES, about, swaying
 # The rest pose is the morphology, stood up.
 
 
-BODIES = {name: physique.morphology() for name, (_, _, physique) in BUNDLED.items()}
+BODIES = {name: physique.morphology() for name, (_, _, physique) in BUNDLED_PHYSIQUES.items()}
 
 
 @pytest.fixture(params=BODIES)

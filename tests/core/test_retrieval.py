@@ -6,16 +6,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studio.core.body.canonical import BodyLayout
-from studio.core.kernels import pose_search as at
-from studio.core.retrieval import (
+from studio.core.clip_search import (
     BLOCK_FRAMES,
     PoseQuery,
     SearchTable,
+    compared_points,
     pose_distances,
     pose_rows,
     search,
-    searched_points,
 )
+from studio.core.kernels import pose_search as at
 from tests.core.twins.retrieval import brute_force, kovar_distance
 
 LAYOUT = BodyLayout(3)
@@ -80,7 +80,7 @@ def test_the_distance_is_the_least_over_all_turns_and_shifts(seed):
     random = np.random.default_rng(seed)
     one, other = random.normal(size=(2, 1, LAYOUT.point_count, 3))
     distance, _ = pose_distances(pose_rows(one, LAYOUT)[0], pose_rows(other, LAYOUT))
-    points = searched_points(LAYOUT)
+    points = compared_points(LAYOUT)
     assert distance[0] == pytest.approx(kovar_distance(one[0, points], other[0, points]), abs=1e-4)
 
 
@@ -109,7 +109,7 @@ def test_no_frame_costs_less_than_the_bound_of_its_block():
         blocks, query = table.blocks, made_query(7, table)
         bounds, every = np.empty(len(blocks.spans)), np.ones(table.clip_count, dtype=np.bool_)
         asked = at.SearchQuery(query.poses, query.targets, query.posture_weight, query.reach_weight)
-        at.write_block_cost_bounds(table.searched, every, asked, bounds)
+        at.write_block_cost_bounds(table.frame_table, every, asked, bounds)
         for (clip, first, count), bound in zip(blocks.spans, bounds, strict=True):
             part = SearchTable(
                 table.rows[first : first + count],

@@ -14,7 +14,7 @@ import pytest
 
 from studio.core.compact_array import CompactArray
 from studio.core.sharing import Shared
-from studio.core.threads import in_threads
+from studio.core.threads import run_in_threads
 
 # Results that several callers need of one object are computed once, and kept while the object lives.
 
@@ -123,7 +123,7 @@ def test_a_result_is_freed_with_its_owner() -> None:
 @pytest.mark.parametrize("count", [1, 2, 40])
 def test_every_piece_is_done_and_the_share_grows_to_all(count: int) -> None:
     done: list[int] = []
-    shares = list(in_threads(done.append, range(count)))
+    shares = list(run_in_threads(done.append, range(count)))
     assert sorted(done) == list(range(count))
     assert shares == [pytest.approx((place + 1) / count) for place in range(count)]
 
@@ -134,7 +134,7 @@ def test_what_a_piece_raises_is_raised() -> None:
             raise ValueError("piece 3")
 
     with pytest.raises(ValueError, match="piece 3"):
-        list(in_threads(work, range(10)))
+        list(run_in_threads(work, range(10)))
 
 
 def test_who_stops_asking_stops_the_work() -> None:
@@ -145,7 +145,7 @@ def test_who_stops_asking_stops_the_work() -> None:
         if piece > 1:
             go_on.wait()
 
-    shares = in_threads(work, range(100))
+    shares = run_in_threads(work, range(100))
     next(shares)
     threading.Timer(0.05, go_on.set).start()
     shares.close()

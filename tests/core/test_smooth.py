@@ -21,7 +21,7 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowTracked
-from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.look_at import EYES_POINT, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
@@ -44,7 +44,7 @@ from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow
 from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.io.importing import GUESS_ALL, load_capture
 from studio.io.project.character_file import bundled_characters
-from studio.jobs.adaptation import ReadyCapture, made_ready, ready_capture
+from studio.jobs.adaptation import ReadyCapture, ready_capture, ready_from_capture
 from studio.resources_folder import example_captures_folder
 from tests.core.motions import ALWAYS, RATE, local_rotations, random_rotations, target, walk
 from tests.core.scenes import Scene
@@ -197,9 +197,9 @@ class Wishes:
             chain = Chain(limb=0.0, clavicle=0.0, trunk=1.0, root=1.0)
             return BalanceConstraint("motion", kind, BodyPoint(BodyPart.PELVIS), chain, priority, ALWAYS)
         if kind == "look":
-            ahead = body_point_positions(EYES, before) + before.rotations[:, 0] @ np.array([2.0, 0.0, 0.0])
+            ahead = body_point_positions(EYES_POINT, before) + before.rotations[:, 0] @ np.array([2.0, 0.0, 0.0])
             target = self.sway(number, ahead, 0.6, 2.0)
-            return LookAtConstraint("motion", kind, EYES, Chain(0, 0, 1, 1), priority, ALWAYS, target=target)
+            return LookAtConstraint("motion", kind, EYES_POINT, Chain(0, 0, 1, 1), priority, ALWAYS, target=target)
         point, chain = self.point_and_chain(kind)
         shift = self.random.normal(size=3)
         shift *= FURTHEST[kind] * self.random.uniform(0.2, 1.0) / np.linalg.norm(shift)
@@ -567,7 +567,8 @@ def test_who_heads_elsewhere_does_the_same(stem: str, name: str) -> None:
     capture = load_capture(example_captures_folder() / f"{stem}.bvh")
     turn = Rotation.from_euler("z", 2.4)
     here, there = (
-        _adapted(made_ready(each), name) for each in (capture, _elsewhere(capture, turn, np.array([30.0, -20.0, 0.0])))
+        _adapted(ready_from_capture(each), name)
+        for each in (capture, _elsewhere(capture, turn, np.array([30.0, -20.0, 0.0])))
     )
     back = turn.inv().apply((there - there[0, 0]).reshape(-1, 3)).reshape(there.shape)
     assert np.abs(back - (here - here[0, 0])).max() < 1e-4

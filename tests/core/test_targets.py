@@ -17,7 +17,7 @@ from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowProp, FollowTracked
-from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.look_at import EYES_POINT, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.position import PositionConstraint
@@ -123,7 +123,7 @@ def test_equal_keys_are_a_fixed_target(body: Morphology) -> None:
     place, times = tuple(within_reach(body)), (0.2, 0.7)
     pairs = [
         (PositionConstraint, RIGHT, ALL, {"target": place}, {"target": KeyedPlace(times, (place, place))}),
-        (LookAtConstraint, EYES, HEAD, {"target": place}, {"target": KeyedPlace(times, (place, place))}),
+        (LookAtConstraint, EYES_POINT, HEAD, {"target": place}, {"target": KeyedPlace(times, (place, place))}),
         (
             OrientationConstraint,
             BodyPoint(BodyPart.RIGHT_HAND),
@@ -216,7 +216,7 @@ def test_a_hand_follows_where_the_other_hand_is_brought(body: Morphology) -> Non
 def test_the_eyes_follow_the_own_hand_and_a_palm_the_other_one(body: Morphology) -> None:
     goal = tuple(within_reach(body, 0.3, 0.1, 0.1))
     hand = ask(PositionConstraint, RIGHT, ALL, target=goal)
-    look = ask(LookAtConstraint, EYES, HEAD, 1, target=FollowBody(RIGHT))
+    look = ask(LookAtConstraint, EYES_POINT, HEAD, 1, target=FollowBody(RIGHT))
     hands = [body.layout.segment_of_part(part) for part in (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)]
     left, right = solved(body, hand).rotations[30, hands]
     turn = from_matrix(right.T @ left @ to_matrix(np.array(TURN) / np.linalg.norm(TURN)))
@@ -224,7 +224,7 @@ def test_the_eyes_follow_the_own_hand_and_a_palm_the_other_one(body: Morphology)
     palm = ask(OrientationConstraint, BodyPoint(BodyPart.LEFT_HAND), Chain(1.0, 1.0, 1.0), 2, target=follow)
     request = AdaptRequest(WALK, body, CONTACTS, (hand, look, palm))
     adapted = adapt(request, 25, 40)
-    line = body_point_positions(RIGHT, adapted) - body_point_positions(EYES, adapted)
+    line = body_point_positions(RIGHT, adapted) - body_point_positions(EYES_POINT, adapted)
     gaze = adapted.rotations[:, body.layout.head_joint, :, 0]
     cosine = np.sum(gaze * line, axis=1) / np.linalg.norm(line, axis=1)
     miss = np.arccos(np.clip(cosine, -1.0, 1.0))
@@ -310,8 +310,10 @@ def test_another_performer_is_followed_as_the_stage_has_it(body: Morphology) -> 
     stage = leader.to_stage(body_point_positions(LEFT, other))
     assert own.to_stage(track.positions)[::2] == pytest.approx(stage[: len(rows[::2])], abs=1e-9)
     assert own.to_stage(track.positions)[1] == pytest.approx((stage[0] + stage[1]) / 2, abs=1e-9)
-    adapted = solved(body, ask(LookAtConstraint, EYES, HEAD, target=follow), tracks={follow: track}, frames=(10, 20))
-    fixed = ask(LookAtConstraint, EYES, HEAD, target=tuple(track.positions[15]))
+    adapted = solved(
+        body, ask(LookAtConstraint, EYES_POINT, HEAD, target=follow), tracks={follow: track}, frames=(10, 20)
+    )
+    fixed = ask(LookAtConstraint, EYES_POINT, HEAD, target=tuple(track.positions[15]))
     assert adapted.rotations[5] == pytest.approx(solved(body, fixed, frames=(15, 15)).rotations[0], abs=1e-9)
 
 
@@ -326,7 +328,7 @@ def test_one_frame_alone_is_as_in_the_whole_clip(body: Morphology) -> None:
     keyed = KeyedPlace((0.2, 0.6, 1.2), tuple(tuple(path[f] + [0.03, 0.0, 0.05]) for f in (12, 36, 72)))
     constraints = (
         ask(PositionConstraint, RIGHT, ALL, target=keyed),
-        ask(LookAtConstraint, EYES, HEAD, 1, target=FollowBody(RIGHT)),
+        ask(LookAtConstraint, EYES_POINT, HEAD, 1, target=FollowBody(RIGHT)),
         ask(BalanceConstraint, BodyPoint(BodyPart.PELVIS), Chain(0, 0, 0, 1, 1), 2, place=Support()),
     )
     whole = solved(body, *constraints)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
-from studio.core.constraints.carried_over import MIRROR, constraint_on_clip
+from studio.core.constraints.carried_over import MIRROR_TRANSFORM, constraint_on_clip
 from studio.core.constraints.follow import UNTURNED, FollowProp
 from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedTurn
@@ -86,8 +86,8 @@ def test_a_box_that_follows_a_prop_tilts_with_it() -> None:
 @pytest.mark.parametrize("tilt", [SLANTED, KeyedTurn((0.0, 1.0), (SLANTED, UNTURNED))])
 def test_the_mirror_image_of_a_tilted_area_is_its_reflection(tilt: object) -> None:
     box = area(centre=(0.3, 0.2, 0.9), heading=0.4, tilt=tilt)
-    mirrored = constraint_on_clip(box, MIRROR)
-    assert constraint_on_clip(mirrored, MIRROR) == box
+    mirrored = constraint_on_clip(box, MIRROR_TRANSFORM)
+    assert constraint_on_clip(mirrored, MIRROR_TRANSFORM) == box
     if not isinstance(tilt, KeyedTurn):
         across = np.array([1.0, -1.0, 1.0])
         for point in np.random.default_rng(1).normal((0.3, 0.2, 0.9), 0.2, (20, 3)):

@@ -24,7 +24,7 @@ from studio.io.export import write_capture
 from studio.io.project.entity_json import project_json
 from studio.io.project.project_file import read_project, write_project
 from studio.library.catalogue import Catalogue
-from studio.library.indexing import correct_label, index_folders, whole_library
+from studio.library.indexing import correct_label, index_folders, load_library
 from studio.library.library import Library
 from studio.live.recording import Recorder, read_recording
 from studio.startup.process import prepare_process
@@ -174,7 +174,7 @@ def check_catalogues(folder: Path, kills: int, chance: Random) -> int:
         number = killed_child(lambda tell: index_for_ever(made, tell), chance.random() * 2.0)
         with Catalogue(made / "catalogue") as catalogue:
             index_folders(catalogue, [made / "takes"])
-            tags = [clip.label.tags for clip in whole_library(catalogue).clips if clip.label.confirmed]
+            tags = [clip.label.tags for clip in load_library(catalogue).clips if clip.label.confirmed]
             lost += bool(catalogue.remarks) or len(tags) < 1
             if number:
                 lost += (f"mine {number}",) not in tags and (f"mine {number + 1}",) not in tags

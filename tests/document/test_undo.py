@@ -19,16 +19,16 @@ from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, unit_qu
 from studio.core.errors import StudioError
 from studio.core.grounds.ground import Ground
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
+from studio.core.stage.behaviour_target import DistanceMeasure, FollowPartner
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import DistanceCondition
 from studio.core.stage.correction import PoseOffsets, new_correction
 from studio.core.stage.footage import Footage
-from studio.core.stage.manners import KeepDistance
 from studio.core.stage.project import GROUND_ID, Motion
 from studio.core.stage.prop import Prop
+from studio.core.stage.reactions import KeepDistance
 from studio.core.stage.saved_camera import CAMERA_SLOTS, CameraPlacement
 from studio.core.stage.sound_track import SoundTrack
-from studio.core.stage.whom import DistanceMeasure, FollowPartner
 from studio.document.clip_edits import set_speed
 from studio.document.document import Document
 from studio.document.stored_cameras import give_slot, store_camera

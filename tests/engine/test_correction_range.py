@@ -7,7 +7,7 @@ import pytest
 
 from studio import api
 from studio.core.solver.performers.rows import timing_of
-from studio.core.stage.correction import PoseOffsets, new_correction, range_around
+from studio.core.stage.correction import PoseOffsets, new_correction, new_correction_range
 from studio.core.stage.holding import REACH_SPEED
 from studio.core.stage.local_pose import POSE_REGIONS, local_pose, turns_to
 from studio.engine.correction_range import fitted_range
@@ -50,5 +50,5 @@ def test_no_limb_becomes_much_faster_where_a_saved_pose_is_applied(applied_at, s
         return found
 
     allowed = GROWTH * np.maximum(peaks(plain), REACH_SPEED)
-    assert (posed_peaks(range_around(time)) > allowed).any()
+    assert (posed_peaks(new_correction_range(time)) > allowed).any()
     assert (posed_peaks(fitted_range(timing, plain, offsets, time)) <= allowed).all()

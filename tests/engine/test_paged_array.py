@@ -6,7 +6,7 @@ import os
 import numpy as np
 import pytest
 
-from studio.core.compact_array import CompactArray, single
+from studio.core.compact_array import CompactArray, compact_array
 from studio.engine import paged_array
 from studio.engine.paged_array import FileRows, paged_rows
 from tests.core.test_sharing import INDICES, SHAPE
@@ -29,7 +29,7 @@ def open_files() -> int:
 
 
 def test_every_index_of_a_file_reads_the_numbers_of_memory_to_the_bit() -> None:
-    kept, known = paged_rows(NUMBERS), single(NUMBERS)
+    kept, known = paged_rows(NUMBERS), compact_array(NUMBERS)
     assert is_in_a_file(kept)
     for write in (False, True):
         for index in INDICES:
@@ -66,7 +66,7 @@ def test_poses_stay_in_memory_where_no_file_can_be_written(monkeypatch: pytest.M
     monkeypatch.setattr(paged_array.tempfile, "TemporaryFile", full)
     kept = paged_rows(NUMBERS)
     assert not is_in_a_file(kept)
-    np.testing.assert_array_equal(kept[:], single(NUMBERS)[:])
+    np.testing.assert_array_equal(kept[:], compact_array(NUMBERS)[:])
 
 
 def test_many_takes_leave_files_for_others(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,8 +8,8 @@ from PySide6.QtTest import QTest
 from studio.core.captures.reaching import farthest_reach_frame
 from studio.core.stage.behaviour import advanced_progress, initial_progress
 from studio.core.stage.conditions import ConditionInput
-from studio.core.stage.manners import KeepDistance, LeanAway, Meet
 from studio.core.stage.project import Motion
+from studio.core.stage.reactions import KeepDistance, LeanAway, Meet
 from studio.document.behaviour_commands import state_key, transition_key
 
 FIRST, SECOND = "performer 0", "performer 1"

@@ -15,7 +15,7 @@ from studio.app.character_import import add_read_character
 from studio.app.preferences import key_maps
 from studio.core.captures.contacts import ContactInterval, Touch
 from studio.core.stage.prop import Prop
-from studio.core.stage.staging import SPACING, side_by_side
+from studio.core.stage.staging import PERFORMER_SPACING, performers_side_by_side
 from studio.document import colours
 from studio.engine.posed_performer import swept_points
 from studio.io.bvh.writer import write_bvh
@@ -231,7 +231,7 @@ def test_line_up_puts_bodies_across_their_way_as_one_step(window, qtbot, walk):
     count = document.undo_stack.count()
     window.actions_by_id.by_id["line_up"].trigger()
     places = np.array([each.position for each in document.project.performers.values()])
-    assert np.linalg.norm(places[1] - places[0]) == pytest.approx(2 * SPACING)  # this walk spreads its arms
+    assert np.linalg.norm(places[1] - places[0]) == pytest.approx(2 * PERFORMER_SPACING)  # this walk spreads its arms
     assert {each.heading for each in document.project.performers.values()} == {0.0}
     assert document.undo_stack.count() == count + 1
     document.undo_stack.undo()
@@ -261,7 +261,7 @@ def travelling(folder, name, heading):
 def test_bodies_of_which_some_play_another_take_are_lined_up_and_do_not_meet(window, qtbot, tmp_path):
     document = window.bench.document
     first, second = document.project.performers
-    row = side_by_side(document.project.characters).values()
+    row = performers_side_by_side(document.project.characters).values()
     for key, stood in zip((first, second), row, strict=True):
         document.replace("performers", key, replace(document.project.performers[key], position=stood.position), "Row")
     drop(window, travelling(tmp_path, "ahead.bvh", 0.0))
@@ -272,7 +272,7 @@ def test_bodies_of_which_some_play_another_take_are_lined_up_and_do_not_meet(win
     wait_until_idle(qtbot, window)
     places = [np.array(each.position) for each in document.project.performers.values()]
     assert document.project.performers[second].clips != document.project.performers[first].clips
-    assert np.abs(places[0] - places[1]) == pytest.approx([SPACING, 0.0], abs=1e-6)
+    assert np.abs(places[0] - places[1]) == pytest.approx([PERFORMER_SPACING, 0.0], abs=1e-6)
     window.actions_by_id.by_id["show_all"].trigger()
     assert window.bench.live.wait_until_solved(SECONDS)
     window.actions_by_id.by_id["line_up"].trigger()
@@ -325,15 +325,15 @@ def test_only_a_warning_has_the_colour_of_a_warning(window):
 def test_a_motion_that_spreads_its_limbs_puts_bodies_farther_apart_and_a_dropped_one_too(window, qtbot):
     """In splits, kicks and cartwheels neighbours cut into each other."""
     document, folder = window.bench.document, example_captures_folder()
-    row = side_by_side(document.project.characters).values()
+    row = performers_side_by_side(document.project.characters).values()
     for key, stood in zip([*document.project.performers], row, strict=True):
         document.replace("performers", key, replace(document.project.performers[key], position=stood.position), "Row")
     drop(window, folder / "handstand.bvh")
     wait_until_idle(qtbot, window)
-    assert least_spacing(document.project.performers) > SPACING + 0.3
+    assert least_spacing(document.project.performers) > PERFORMER_SPACING + 0.3
     character = next(iter(bundled_characters().values()))
     add_read_character(document, replace(character, name="New"), "Add New")
-    assert least_spacing(document.project.performers) > SPACING + 0.3
+    assert least_spacing(document.project.performers) > PERFORMER_SPACING + 0.3
 
 
 def least_spacing(performers):

@@ -14,7 +14,7 @@ from studio.core.errors import StudioError
 from studio.core.stage.footage import Footage
 from studio.engine.footage_frames import READ_AHEAD_FRAMES, FootageFrame, FootageFrames
 from studio.io.media.film import write_film
-from studio.io.media.footage_file import MOST_FOOTAGE_SIDE, footage_frames, read_footage, sequence_of
+from studio.io.media.footage_file import MOST_FOOTAGE_SIDE_PIXELS, footage_frames, read_footage, sequence_of
 from studio.io.media.media_files import MediaMissing, find_media
 from studio.io.project.project_file import new_document_id, read_project, write_project
 from tests.patience import PATIENCE
@@ -83,8 +83,8 @@ def test_numbered_pictures_are_in_the_order_of_their_numbers_whichever_is_chosen
 def test_large_pictures_are_scaled_in_their_proportions(tmp_path):
     Image.new("RGB", (4000, 1000)).save(tmp_path / "wide_1.png")
     assert next(footage_frames(tmp_path / "wide_1.png", 30.0, 0)).shape == (
-        MOST_FOOTAGE_SIDE // 4,
-        MOST_FOOTAGE_SIDE,
+        MOST_FOOTAGE_SIDE_PIXELS // 4,
+        MOST_FOOTAGE_SIDE_PIXELS,
         3,
     )
 

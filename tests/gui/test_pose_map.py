@@ -8,7 +8,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 
-from studio.core.retrieval import pose_distances
+from studio.core.clip_search import pose_distances
 from studio.document import colours
 from studio.library.clusters import LEAST_CLUSTER_DISTANCE
 from studio.panels import pose_map, strikes

@@ -10,7 +10,7 @@ from studio.app.application import import_views, show_views
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowPerformer
-from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.look_at import EYES_POINT, LookAtConstraint
 from studio.core.constraints.scope import Scope
 from studio.core.curves.activation import ActivationCurve
 from studio.document.document import Document
@@ -32,7 +32,7 @@ def twins(qtbot):
     project = make_project(characters=2, constraints=0)
     twin = replace(project.performers["performer 1"], character_id="character 0")
     gaze = LookAtConstraint(
-        "motion", "Look", EYES, Chain(), 0, ActivationCurve(0.0, 0.0, 1.0, 1.0),
+        "motion", "Look", EYES_POINT, Chain(), 0, ActivationCurve(0.0, 0.0, 1.0, 1.0),
         target=FollowPerformer("performer 0", BodyPoint(BodyPart.HEAD)), scope=Scope(performer_id="performer 1"),
     )  # fmt: skip
     document = Document(project.with_entity("performers", "performer 1", twin).with_entity("constraints", "look", gaze))

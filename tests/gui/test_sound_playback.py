@@ -13,11 +13,11 @@ from studio.core.stage.playback_run import PlaybackRun
 from studio.io.media import sound_output
 from studio.io.media.sound_file import read_samples
 from studio.io.media.sound_output import (
+    DEVICE_PERIODS,
     HEARD_RATE,
     LOST_SECONDS,
     MOST_STRETCH,
     PERIOD_MILLISECONDS,
-    PERIODS,
     HeardSound,
     SoundOutput,
     StreamClock,
@@ -33,15 +33,15 @@ PIECE = HEARD_RATE * PERIOD_MILLISECONDS // 1000
 def heard_clock(seconds, rate_error=0.0, jitter=0.0, stall=None, seed=0):
     """(P,) clock seconds at which a device of another rate plays each piece, and those the stream takes them for.
 
-    The device has ``PERIODS`` pieces at hand and asks for the next when one is played, up to ``jitter`` seconds late;
-    at second ``stall`` it is answered half a second late.
+    The device has ``DEVICE_PERIODS`` pieces at hand and asks for the next when one is played, up to ``jitter`` seconds
+    late; at second ``stall`` it is answered half a second late.
     """
     generator, stream = np.random.default_rng(seed), StreamClock()
     duration = PIECE / HEARD_RATE / (1.0 + rate_error)
     played, taken = [], []
     begin = 100.0
     for piece in range(int(seconds / duration)):
-        asked = begin + max(piece - PERIODS + 1, 0) * duration
+        asked = begin + max(piece - DEVICE_PERIODS + 1, 0) * duration
         now = asked + jitter * generator.random()
         if stall is not None and piece == int(stall / duration):
             now += 0.5
@@ -198,7 +198,7 @@ def test_a_silent_device_is_given_the_sound_of_the_stage_and_let_go_when_nothing
     given = []
     monkeypatch.setattr(sound_output, "mix", lambda sounds, seconds: given.append(seconds) or mix(sounds, seconds))
     output = output_of(tmp_path, ("NULL",))
-    qtbot.waitUntil(lambda: len(given) > PERIODS, timeout=PATIENCE)
+    qtbot.waitUntil(lambda: len(given) > DEVICE_PERIODS, timeout=PATIENCE)
     assert given[0][0] == pytest.approx(0.0, abs=1.0)
     qtbot.waitUntil(lambda: not output._wanted.is_set(), timeout=PATIENCE)
     count = len(given)

@@ -12,7 +12,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import UNTURNED
-from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.look_at import EYES_POINT, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.upright import UprightConstraint
 from studio.core.curves.keyed import KeyedTurn
@@ -154,7 +154,7 @@ def test_keys_alone_turn_by_a_step_about_the_axis_that_is_chosen(studio):
 
 def test_a_look_at_target_goes_round_the_eyes(studio):
     base = make_constraint()
-    made = LookAtConstraint(base.motion_id, "Look", EYES, Chain(), 5, base.activation, target=(3.0, 0.5, 1.5))
+    made = LookAtConstraint(base.motion_id, "Look", EYES_POINT, Chain(), 5, base.activation, target=(3.0, 0.5, 1.5))
     viewport, document, key = shown(studio, made)
     viewport.set_tool("rotate")
     viewport.frame_all()

@@ -16,7 +16,7 @@ from studio.io.npy import array_of
 from studio.io.project.character_file import read_character, write_character
 from studio.io.project.constraint_file import read_constraints
 from studio.io.project.project_file import read_project
-from studio.io.zipped import npy
+from studio.io.zipped import npy_file
 from studio.live.recording import read_recording
 from tests.builders import make_character
 from tests.cli.test_adapt import WRIST
@@ -83,7 +83,7 @@ def test_the_mesh_of_a_character_lies_beside_it(tmp_path: Path, name: str) -> No
         read_character(folder / "hero.json")
 
 
-GOOD = npy(np.arange(6.0).reshape(2, 3))
+GOOD = npy_file(np.arange(6.0).reshape(2, 3))
 
 
 @pytest.mark.parametrize(
@@ -109,7 +109,7 @@ def test_no_header_of_an_array_is_believed(content: bytes) -> None:
 
 def test_a_whole_array_is_read_to_the_bit_in_either_order() -> None:
     for array in (np.arange(6.0).reshape(2, 3), np.asfortranarray(np.eye(3, dtype=np.float32)), np.arange(3) > 1):
-        assert np.array_equal(array_of(npy(array)), array)
+        assert np.array_equal(array_of(npy_file(array)), array)
 
 
 HIDDEN = b'["]]",' * 600 + b"0" + b"]" * 600

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.cli.info import described, lines_of
+from studio.cli.info import file_record, lines_of
 from studio.core.errors import StudioError
 from studio.io.c3d.reader import C3dFile, read_c3d
 from studio.io.c3d.writer import c3d_bytes
@@ -281,7 +281,7 @@ def test_nothing_is_allocated_that_only_a_header_promises(tmp_path: Path) -> Non
     ):
         path.write_bytes(spoiled(spoil))
         tracemalloc.start()
-        described(path, GUESS_ALL)
+        file_record(path, GUESS_ALL)
         most = tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
         assert most < 20 * len(GOOD) + 5_000_000
@@ -329,7 +329,7 @@ def test_a_mutated_file_is_read_or_refused_in_a_sentence(captures: Path, tmp_pat
     for seed in range(MUTATIONS // len(FUZZED)):
         path.write_bytes(_mutated(random.Random(f"{name}{seed}"), original))
         if seed % 10 == 0:
-            record = described(path, GUESS_ALL)
+            record = file_record(path, GUESS_ALL)
             assert json.dumps(record, allow_nan=False)
             assert lines_of(record)
             assert record["ok"] or "take.c3d" in record["error"] or "'take'" in record["error"]

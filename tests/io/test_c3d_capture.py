@@ -13,7 +13,7 @@ from studio.core.errors import StudioError
 from studio.core.markers.cleaning import LowPass
 from studio.core.markers.marker_map import MarkerMap
 from studio.core.markers.take import centre_errors
-from studio.core.markers.trial import METRES, ForcePlate
+from studio.core.markers.trial import TRIAL_UNIT_METRES, ForcePlate
 from studio.core.normalized.normalize import normalize_capture
 from studio.core.normalized.round_trip import round_trip
 from studio.core.stage.project import Project
@@ -22,7 +22,7 @@ from studio.io.c3d.writer import write_c3d
 from studio.io.export import take_of_capture, write_take
 from studio.io.importing import GUESS_ALL, ImportOptions, known_of_motion, load_capture, read_capture
 from studio.io.markers.capture import capture_of_take
-from studio.io.markers.unit import in_believable_unit
+from studio.io.markers.unit import with_plausible_unit
 from studio.io.project.project_file import read_project, write_project
 from studio.io.up_axis import FILE_AXES
 from tests.core.markers.made import made_body, made_trial
@@ -214,17 +214,17 @@ def test_level_plates_under_the_feet_are_the_floor_and_others_are_not(height: fl
 
 def test_a_unit_that_makes_a_giant_is_overruled_and_listed() -> None:
     trial, marker_map = made_trial()
-    for said in METRES:
-        believed, _, guesses = in_believable_unit(replace(trial, unit=said), marker_map, "", None)
+    for said in TRIAL_UNIT_METRES:
+        believed, _, guesses = with_plausible_unit(replace(trial, unit=said), marker_map, "", None)
         assert believed.unit == "mm"
         assert [guess.subject for guess in guesses] == ([] if said == "mm" else ["unit"])
 
 
-@pytest.mark.parametrize("unit", METRES)
+@pytest.mark.parametrize("unit", TRIAL_UNIT_METRES)
 def test_a_trial_in_any_unit_that_says_another_is_the_same_body(unit: str) -> None:
     trial, marker_map = made_trial()
-    wrong = replace(trial.with_points(trial.points * (0.001 / METRES[unit])), unit="mm", measures={})
-    believed, _, guesses = in_believable_unit(wrong, marker_map, "", None)
+    wrong = replace(trial.with_points(trial.points * (0.001 / TRIAL_UNIT_METRES[unit])), unit="mm", measures={})
+    believed, _, guesses = with_plausible_unit(wrong, marker_map, "", None)
     assert believed.unit == unit
     assert len(guesses) == (unit != "mm")
 

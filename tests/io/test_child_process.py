@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from studio.io import child_process
-from studio.io.child_process import MOST_NICENESS, POSIX
+from studio.io.child_process import GREATEST_NICENESS, POSIX
 from tests.architecture.sources import ROOT
 
 SCRIPT = """
@@ -24,7 +24,7 @@ def test_a_child_stands_behind_a_studio_that_was_started_nicely_itself(behind: i
     command = ("nice", "-n", "4", sys.executable, "-c", SCRIPT.format(behind=behind))
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     own, child = map(int, done.stdout.split())
-    assert child == own + behind or child == MOST_NICENESS < own + behind
+    assert child == own + behind or child == GREATEST_NICENESS < own + behind
 
 
 def test_a_child_runs_where_there_are_no_groups_and_no_niceness(monkeypatch):

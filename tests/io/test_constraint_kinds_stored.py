@@ -15,7 +15,7 @@ from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowBody, FollowPerformer, FollowProp, FollowTracked
 from studio.core.constraints.kinds import CONSTRAINT_KINDS
-from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.look_at import EYES_POINT, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.constraints.parallel import ParallelConstraint
@@ -40,7 +40,7 @@ ROCK = TriangleMesh(np.random.default_rng(0).normal(size=(40, 3)), np.arange(36)
 CONSTRAINTS: tuple[Constraint, ...] = (
     PositionConstraint("motion", "Reach", WRIST, *COMMON, target=(0.1, 0.2, 0.3)),
     OrientationConstraint("motion", "Palm", BodyPoint(BodyPart.LEFT_HAND), *COMMON, target=(0.6, 0.0, 0.8, 0.0)),
-    LookAtConstraint("motion", "Look", EYES, *COMMON, target=(1.0, 2.0, 1.5)),
+    LookAtConstraint("motion", "Look", EYES_POINT, *COMMON, target=(1.0, 2.0, 1.5)),
     UprightConstraint("motion", "Tray", BodyPoint(BodyPart.LEFT_HAND), *COMMON, axis=(0.0, 0.6, 0.8), cone=0.2),
     DistanceConstraint("motion", "Clap", WRIST, *COMMON, other=BodyPoint(BodyPart.RIGHT_FOREARM, at_end=True)),
     DistanceConstraint("motion", "Rod", WRIST, *COMMON, other=(0.5, 0.0, 1.0), distance=0.4),
@@ -87,8 +87,8 @@ TARGETS: tuple[Constraint, ...] = (
     PositionConstraint("motion", "Own place", WRIST, *COMMON, target=OwnPlace(WRIST, 0.4, (0.0, 0.1, 0.2), APART)),
     PositionConstraint("motion", "Own", WRIST, *COMMON, target=FollowBody(HAND)),
     PositionConstraint("motion", "Other", WRIST, *COMMON, target=FollowPerformer("performer 1", HAND, awaits=True)),
-    LookAtConstraint("motion", "Prop", EYES, *COMMON, target=FollowProp("box", (0.0, 0.1, 0.2))),
-    LookAtConstraint("motion", "Tracked", EYES, *COMMON, target=FollowTracked("LeftHand")),
+    LookAtConstraint("motion", "Prop", EYES_POINT, *COMMON, target=FollowProp("box", (0.0, 0.1, 0.2))),
+    LookAtConstraint("motion", "Tracked", EYES_POINT, *COMMON, target=FollowTracked("LeftHand")),
     OrientationConstraint(
         "motion", "Turns", HAND, *COMMON, target=KeyedTurn((0.0, 1.0), ((0.0, 0.0, 0.0, 1.0), (0.6, 0.0, 0.8, 0.0)))
     ),
@@ -107,7 +107,7 @@ TARGETS: tuple[Constraint, ...] = (
         "motion", "Own circle", WRIST, *COMMON, target=CirclePlace(origin=OwnPlace(WRIST, 0.4, (0.0, 0.1, 0.2), APART))
     ),
     PositionConstraint("motion", "Circle", WRIST, *COMMON, target=CirclePlace(centre=(0.1, 0.2, 0.3), tilt=0.5)),
-    LookAtConstraint("motion", "Swing", EYES, *COMMON, target=PendulumPlace(length=0.7, since=0.3)),
+    LookAtConstraint("motion", "Swing", EYES_POINT, *COMMON, target=PendulumPlace(length=0.7, since=0.3)),
     DistanceConstraint("motion", "Fly", WRIST, *COMMON, other=NoisePlace(reach=(0.1, 0.0, 0.2), seed=5), distance=0.4),
 )
 

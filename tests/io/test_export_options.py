@@ -21,7 +21,7 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.io.export import skin_of, take_of_adapted, take_of_capture, write_take
-from studio.io.export_choices import ROOTLESS
+from studio.io.export_choices import HIPS_ONLY_SUFFIXES
 from studio.io.export_options import ExportOptions
 from studio.io.importing import load_capture
 from studio.io.joint_names import joint_namings, with_joint_names
@@ -210,7 +210,7 @@ def test_every_writer_has_every_option(tmp_path, suffix, options):
         pytest.importorskip("pxr", reason="usd-core is not installed")
     take = take_on(make_character(), heading_away(make_capture(frames=60), np.linspace(0.0, 3.0, 60)))
     path, chosen = tmp_path / f"out{suffix}", OPTIONS[options]
-    if chosen.root == "floor" and suffix in ROOTLESS:
+    if chosen.root == "floor" and suffix in HIPS_ONLY_SUFFIXES:
         with pytest.raises(StudioError, match="its hips travel"):
             chosen.applied_to(take, path)
         return

@@ -10,7 +10,7 @@ from random import Random
 
 import pytest
 
-from studio.cli.info import described, lines_of
+from studio.cli.info import file_record, lines_of
 from studio.io.export import write_capture
 from studio.io.importing import GUESS_ALL
 from studio.io.project.project_file import write_project
@@ -56,7 +56,7 @@ def mutations(content: bytes, count: int) -> Iterator[bytes]:
 
 def look_at(path: Path) -> bool:
     """True if ``info`` could read it; its answer can be printed in either case."""
-    record = described(path, GUESS_ALL)
+    record = file_record(path, GUESS_ALL)
     assert json.dumps(record, allow_nan=False)
     assert lines_of(record)
     assert record["ok"] or path.name in record["error"] or path.with_suffix(".npz").name in record["error"]
@@ -131,7 +131,7 @@ def test_a_neck_or_clavicle_without_length_comes_back_as_it_was(
     joint = rf"(JOINT {end_of_the_short_bone}\s*{{\s*OFFSET)[^\n]*"
     text, changes = re.subn(joint, r"\1 0 0 0", original.read_text())
     (tmp_path / "take.bvh").write_text(text)
-    record = described(tmp_path / "take.bvh", GUESS_ALL)
+    record = file_record(tmp_path / "take.bvh", GUESS_ALL)
     assert changes == 1
     assert record["ok"], record["error"]
     assert record["round_trip"]["position_mm"] < 0.1

@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
-from studio.core.mesh.rig import NO_SEGMENT
+from studio.core.mesh.rig import UNMOVED_JOINT
 from studio.core.mesh.skin import skin_vertices
 from studio.core.normalized.normalize import normalize_capture
 from studio.core.rigs.zero_pose import with_zero_pose
@@ -21,7 +21,7 @@ from studio.core.solver.request import AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.io.export import skin_of, take_of_adapted, take_of_standing, write_take
 from studio.io.export_options import ExportOptions
-from studio.io.figure.body import NO_RIG
+from studio.io.figure.body import NO_RIG_MESSAGE
 from studio.io.importing import load_capture, load_character
 from studio.io.project.character_file import bundled_characters, read_character, write_character
 from studio.io.project.project_file import new_document_id, read_project, write_project
@@ -208,7 +208,7 @@ def test_characters_of_others_go_out_on_their_own_joints(captures, tmp_path, nam
     )  # fmt: skip
     apart = np.linalg.norm(carried(skin_of(take), positions[13], rotations[13]) - shown, axis=1)
     assert np.median(apart) < TENTH_OF_A_MILLIMETRE
-    still = np.flatnonzero(rig.segments == NO_SEGMENT)
+    still = np.flatnonzero(rig.segments == UNMOVED_JOINT)
     at_rest, _ = rig.file.to_file(rig.positions, rig.rotations)
     assert np.abs(positions[:, still] - at_rest[still]).max(initial=0.0) < 1e-9
     write_take(take, tmp_path / "out.fbx")
@@ -349,6 +349,6 @@ def test_joints_that_cannot_be_kept_are_told_and_exported_as_the_studio_has_them
     made.root["skins"][0].pop("inverseBindMatrices")
     (tmp_path / "hero.glb").write_bytes(made.glb())
     read = load_character(tmp_path / "hero.glb")
-    assert NO_RIG in read.repairs
+    assert NO_RIG_MESSAGE in read.repairs
     take = ExportOptions().applied_to(take_on(read.character, make_capture()), tmp_path / "out.fbx")
     assert "LeftForeArm" in take.skeleton.names

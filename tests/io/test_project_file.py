@@ -19,7 +19,7 @@ from studio.core.stage.prop import Prop
 from studio.io.project.archive import stamp
 from studio.io.project.entity_json import project_json
 from studio.io.project.project_file import ChangedOnDisk, FolderNotWritable, read_project, write_project
-from studio.io.project.upgrades import upgraded
+from studio.io.project.upgrades import upgraded_record
 from tests.builders import make_constraint, make_project
 
 ID = "0123456789abcdef0123456789abcdef"
@@ -278,7 +278,7 @@ def test_the_frozen_sample_of_every_schema_opens_without_a_loss(tmp_path: Path) 
 
 def test_upgrades_go_step_by_step() -> None:
     steps = {1: lambda record: {**record, "a": 1}, 2: lambda record: {**record, "b": record["a"] + 1}}
-    record = upgraded({"schema": 1}, "project.json", steps, 3)
+    record = upgraded_record({"schema": 1}, "project.json", steps, 3)
     assert record == {"schema": 3, "a": 1, "b": 2}
 
 

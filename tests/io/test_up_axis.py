@@ -20,9 +20,9 @@ from studio.io.up_axis import (
     C3D_UP_PRIOR,
     FILE_AXES,
     BodyPoints,
-    axis_called,
     guess_up_axis,
-    stated_axis,
+    parse_axis,
+    stated_axis_prior,
     turn_to_world,
 )
 from tests.io.fbx_text import fbx_text
@@ -140,8 +140,8 @@ def test_one_who_lies_or_crawls_through_the_take_is_not_stood_up(captures: Path)
 
 def test_a_format_that_says_its_axis_is_believed_unless_the_body_stands_along_another(walk: Capture) -> None:
     positions = joint_positions(walk.skeleton, walk.poses) - [0.0, 0.0, walk.floor]
-    upright = guess_up_axis(pairs(positions @ FILE_AXES["Y"], walk), stated_axis("Y"))
-    forgotten = guess_up_axis(pairs(positions @ FILE_AXES["Z"], walk), stated_axis("Y"))
+    upright = guess_up_axis(pairs(positions @ FILE_AXES["Y"], walk), stated_axis_prior("Y"))
+    forgotten = guess_up_axis(pairs(positions @ FILE_AXES["Z"], walk), stated_axis_prior("Y"))
     assert (upright.value, forgotten.value) == ("Y", "Z")
 
 
@@ -149,7 +149,9 @@ def test_one_who_leans_over_more_and_more_is_seen_by_no_tilted_camera(walk: Capt
     positions = joint_positions(walk.skeleton, walk.poses) - [0.0, 0.0, walk.floor]
     standing = np.repeat(positions[:1] - positions[0, 0] * [1.0, 1.0, 0.0], 60, axis=0)
     leans = Rotation.from_euler("y", np.linspace(0.0, 45.0, 60)[:, None], degrees=True).as_matrix()
-    guess = guess_up_axis(pairs(np.einsum("fij,fpj->fpi", leans, standing) @ FILE_AXES["Y"], walk), stated_axis("Y"))
+    guess = guess_up_axis(
+        pairs(np.einsum("fij,fpj->fpi", leans, standing) @ FILE_AXES["Y"], walk), stated_axis_prior("Y")
+    )
     assert guess.value == "Y"
 
 
@@ -163,8 +165,8 @@ def test_the_axis_that_is_called_becomes_up(axis: str) -> None:
 
 
 def test_an_axis_may_be_called_in_any_spelling(tmp_path: Path, walk: Capture) -> None:
-    assert [axis_called(text) for text in ("y", "+Z", "-x", "0, -2, 0")] == ["Y", "Z", "-X", "0.0000 -1.0000 0.0000"]
+    assert [parse_axis(text) for text in ("y", "+Z", "-x", "0, -2, 0")] == ["Y", "Z", "-X", "0.0000 -1.0000 0.0000"]
     assert read_back(walk, tmp_path, ImportOptions(up_axis="-y")).up_axis == "-Y"
     for text in ("W", "1 2", "0 0 0", "nan 0 1", ""):
         with pytest.raises(StudioError, match="is not an up axis"):
-            axis_called(text)
+            parse_axis(text)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from studio.io.hanim.scene import SceneNode, row_of
 from studio.io.hanim.vrml import _tokens, read_vrml
-from studio.io.json_text import DEEPEST_RECORD, json_of
+from studio.io.json_text import MOST_JSON_DEPTH, json_of
 
 PIECES = (*'01.eE+-x#,"\\ab[]{} \n\t', "0x1F", "12.5 ", "-3e-2,", "1 ", '\\"', "\\\\", "DEF ")
 DELIMITERS = '[]{}"#,'
@@ -83,11 +83,11 @@ def test_texts_of_an_attribute_come_back_without_quotes_and_escapes(texts):
 
 @given(st.recursive(st.text('[{"\\ab', max_size=9), st.lists), st.booleans())
 def test_brackets_in_names_of_json_nest_nothing(record, closed):
-    content = json.dumps([record, "[" * 2 * DEEPEST_RECORD, '\\"[' * 2 * DEEPEST_RECORD]).encode()
+    content = json.dumps([record, "[" * 2 * MOST_JSON_DEPTH, '\\"[' * 2 * MOST_JSON_DEPTH]).encode()
 
     assert json_of(content)[0] == record
     with pytest.raises(ValueError, match=r"nested too deeply|Expecting|Extra|delimiter"):
-        json_of(b"[" * 2 * DEEPEST_RECORD + content + (b"]" * 2 * DEEPEST_RECORD if closed else b""))
+        json_of(b"[" * 2 * MOST_JSON_DEPTH + content + (b"]" * 2 * MOST_JSON_DEPTH if closed else b""))
 
 
 def test_a_row_of_many_numbers_is_one_value_with_or_without_brackets(tmp_path):

@@ -7,11 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 from random import Random
 
-from studio.library.catalogue import DATABASE, Catalogue
+from studio.library.catalogue import DATABASE_NAME, Catalogue
 from studio.library.clip_labels import ClipLabel, Kind
 from studio.library.confirmed_labels import CONFIRMED_LABELS, LABELS_COPY
-from studio.library.indexing import correct_label, index_folders, whole_library
-from studio.library.library import POSES, STAMP, Library
+from studio.library.indexing import correct_label, index_folders, load_library
+from studio.library.library import POSES_FILE, POSES_STAMP_FILE, Library
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
 CAPTURES = "straight_punch.bvh", "front_kick.bvh"
@@ -44,10 +44,12 @@ def damage(random: Random, catalogue: Path) -> str:
         return _damage_row(random, catalogue)
     labels = CONFIRMED_LABELS, LABELS_COPY
     if random.random() < 0.3:
-        files = catalogue / DATABASE, catalogue / random.choice(labels)
+        files = catalogue / DATABASE_NAME, catalogue / random.choice(labels)
     else:
         channels = sorted(file.name for file in catalogue.glob("take_*.npy"))
-        files = (catalogue / random.choice([DATABASE, DATABASE, *labels, POSES, STAMP, *channels]),)
+        files = (
+            catalogue / random.choice([DATABASE_NAME, DATABASE_NAME, *labels, POSES_FILE, POSES_STAMP_FILE, *channels]),
+        )
     return ", ".join(_damage_file(random, file) for file in files)
 
 
@@ -75,7 +77,7 @@ def _damage_file(random: Random, file: Path) -> str:
 def _damage_row(random: Random, catalogue: Path) -> str:
     table = random.choice(sorted(COLUMNS))
     column, value = random.choice(COLUMNS[table]), random.choice(VALUES)
-    with closing(sqlite3.connect(catalogue / DATABASE, isolation_level=None)) as database:
+    with closing(sqlite3.connect(catalogue / DATABASE_NAME, isolation_level=None)) as database:
         numbers = [number for (number,) in database.execute(f"SELECT rowid FROM {table}")]
         database.execute(f"UPDATE {table} SET {column} = ? WHERE rowid = ?", (value, random.choice(numbers)))
     return f"{table}.{column} = {value!r:.40}"
@@ -88,12 +90,12 @@ def use(folder: Path, label: ClipLabel) -> str:
     """
     with Catalogue(folder / "catalogue") as catalogue:
         told = catalogue.remarks
-        whole_library(catalogue)
+        load_library(catalogue)
     with Catalogue(folder / "catalogue") as catalogue:
         told = f"{told} {catalogue.remarks}".strip()
         if not catalogue.read_only:
             index_folders(catalogue, [folder / "takes"])
-        library = whole_library(catalogue)
+        library = load_library(catalogue)
         found = [clip.label for clip in library.clips]
         assert label in found, "a confirmed label is lost"
         assert len(found) == len(CAPTURES), f"{len(found)} clips"

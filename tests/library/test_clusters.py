@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from studio.core.clip_search import SearchTable, pose_distances
 from studio.core.kernels import pose_search as at
-from studio.core.retrieval import SearchTable, pose_distances
 from studio.library.clusters import LEAST_CLUSTER_DISTANCE, map_of, rotation_free_features
 from tests.core.test_retrieval import made_table
 

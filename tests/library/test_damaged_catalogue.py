@@ -12,11 +12,11 @@ import pytest
 
 from studio.core.errors import StudioError
 from studio.library import catalogue as catalogues
-from studio.library.catalogue import CATALOGUE_VERSION, DATABASE, Catalogue
+from studio.library.catalogue import CATALOGUE_VERSION, DATABASE_NAME, Catalogue
 from studio.library.clip_labels import ClipLabel
 from studio.library.confirmed_labels import CONFIRMED_LABELS, LABELS_COPY
-from studio.library.indexing import correct_label, index_folders, whole_library
-from studio.library.library import POSES, STAMP, Library
+from studio.library.indexing import correct_label, index_folders, load_library
+from studio.library.library import POSES_FILE, POSES_STAMP_FILE, Library
 from tests.library.damaged_catalogue import COLUMNS, VALUES, damage, make_catalogue, use
 
 MUTANTS = 20
@@ -45,7 +45,7 @@ def folder(made: tuple[Path, ClipLabel], label: ClipLabel) -> Path:
 
 
 def put(folder: Path, statement: str, *values: object) -> None:
-    with closing(sqlite3.connect(folder / "catalogue" / DATABASE, isolation_level=None)) as database:
+    with closing(sqlite3.connect(folder / "catalogue" / DATABASE_NAME, isolation_level=None)) as database:
         database.execute(statement, values)
 
 
@@ -73,7 +73,7 @@ def test_a_clip_of_no_take_is_found_again_in_its_file(folder: Path, label: ClipL
     """Nobody missed it: its take seemed to have no clip."""
     put(folder, "UPDATE clips SET take = ? WHERE id = (SELECT max(id) FROM clips)", take)
     use(folder, label)
-    with closing(sqlite3.connect(folder / "catalogue" / DATABASE)) as database:
+    with closing(sqlite3.connect(folder / "catalogue" / DATABASE_NAME)) as database:
         assert not database.execute("SELECT * FROM clips WHERE take IS NULL OR take = ?", (take,)).fetchall()
 
 
@@ -85,7 +85,7 @@ def test_a_path_that_can_be_none_is_that_of_no_file(folder: Path, label: ClipLab
 
 @pytest.mark.parametrize("name", [b"sqlite_autoindex_files_1", b"sqlite_autoindex_takes_1", b"spine_places", b"CREATE"])
 def test_a_name_in_the_file_that_is_no_text_is_damage(folder: Path, label: ClipLabel, name: bytes) -> None:
-    database = folder / "catalogue" / DATABASE
+    database = folder / "catalogue" / DATABASE_NAME
     content = database.read_bytes()
     assert name in content
     database.write_bytes(content.replace(name, b"\xd0" + name[1:]))
@@ -101,7 +101,7 @@ def test_a_table_that_is_declared_otherwise_is_damage(
 ) -> None:
     """It could be read, but not written: references to other tables are looked up in each insertion."""
     put(folder, "UPDATE files SET size = size + 1")  # they are read again
-    database = folder / "catalogue" / DATABASE
+    database = folder / "catalogue" / DATABASE_NAME
     content = database.read_bytes()
     assert word in content
     database.write_bytes(content.replace(word, word[:-1] + letter))
@@ -110,7 +110,7 @@ def test_a_table_that_is_declared_otherwise_is_damage(
 
 def test_a_damaged_catalogue_that_seems_to_be_of_a_newer_version_is_made_anew(folder: Path, label: ClipLabel) -> None:
     put(folder, f"PRAGMA user_version = {CATALOGUE_VERSION + 1}")
-    database = folder / "catalogue" / DATABASE
+    database = folder / "catalogue" / DATABASE_NAME
     content = database.read_bytes()
     database.write_bytes(content[:100] + bytes(100) + content[200:])
     assert "a new one is made" in use(folder, label)
@@ -126,7 +126,7 @@ def test_a_catalogue_of_a_newer_version_is_searched_and_never_changed(
     for _ in range(2):
         with Catalogue(folder / "catalogue") as catalogue:
             assert "newer version" in catalogue.read_only
-            library = whole_library(catalogue)
+            library = load_library(catalogue)
             assert label in [clip.label for clip in library.clips]
             assert index_folders(catalogue, [folder / "takes"]).read == 0
             with pytest.raises(StudioError, match="newer version"):
@@ -137,10 +137,10 @@ def test_a_catalogue_of_a_newer_version_is_searched_and_never_changed(
 def test_a_catalogue_of_a_newer_version_with_other_tables_is_refused_and_left_alone(folder: Path) -> None:
     put(folder, "ALTER TABLE clips RENAME COLUMN label TO labels")
     put(folder, f"PRAGMA user_version = {CATALOGUE_VERSION + 1}")
-    before = (folder / "catalogue" / DATABASE).read_bytes()
+    before = (folder / "catalogue" / DATABASE_NAME).read_bytes()
     with pytest.raises(StudioError, match="newer version"):
         Catalogue(folder / "catalogue")
-    assert (folder / "catalogue" / DATABASE).read_bytes() == before
+    assert (folder / "catalogue" / DATABASE_NAME).read_bytes() == before
 
 
 @pytest.mark.parametrize("hold", ["IMMEDIATE", "EXCLUSIVE"])
@@ -148,7 +148,7 @@ def test_a_catalogue_in_use_is_waited_for_and_never_renamed(
     folder: Path, label: ClipLabel, hold: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(catalogues, "LOCK_WAIT_SECONDS", 0.2)
-    with closing(sqlite3.connect(folder / "catalogue" / DATABASE, isolation_level=None)) as other:
+    with closing(sqlite3.connect(folder / "catalogue" / DATABASE_NAME, isolation_level=None)) as other:
         other.execute(f"BEGIN {hold}")
         with pytest.raises(StudioError, match="in use by another process"), Catalogue(folder / "catalogue") as opened:
             correct_label(opened, Library.of(opened).clips[0].number, label)
@@ -158,21 +158,21 @@ def test_a_catalogue_in_use_is_waited_for_and_never_renamed(
 
 
 def test_what_is_no_file_is_refused_in_a_sentence(tmp_path: Path) -> None:
-    (tmp_path / DATABASE).mkdir()
+    (tmp_path / DATABASE_NAME).mkdir()
     with pytest.raises(StudioError, match="no ordinary file"):
         Catalogue(tmp_path)
 
 
 def test_each_damaged_catalogue_is_kept_under_a_name_of_its_own(folder: Path, label: ClipLabel) -> None:
     for content in (b"first" * 999, b"second" * 999):
-        (folder / "catalogue" / DATABASE).write_bytes(content)
+        (folder / "catalogue" / DATABASE_NAME).write_bytes(content)
         assert "a new one is made" in use(folder, label)
     kept = {file.read_bytes()[:5] for file in (folder / "catalogue").glob("*.damaged*")}
     assert kept == {b"first", b"secon"}
 
 
 def test_a_lost_database_is_made_anew_with_the_labels(folder: Path, label: ClipLabel) -> None:
-    (folder / "catalogue" / DATABASE).unlink()
+    (folder / "catalogue" / DATABASE_NAME).unlink()
     assert "lost" in use(folder, label)
 
 
@@ -181,14 +181,14 @@ def test_labels_of_a_library_without_a_file_of_labels_are_put_into_one(folder: P
         (folder / "catalogue" / name).unlink()
     with Catalogue(folder / "catalogue"):
         pass
-    (folder / "catalogue" / DATABASE).write_bytes(b"nonsense" * 999)
+    (folder / "catalogue" / DATABASE_NAME).write_bytes(b"nonsense" * 999)
     use(folder, label)
 
 
 def test_a_label_outlasts_garbage_in_the_database_and_in_one_file_of_labels(folder: Path, label: ClipLabel) -> None:
     """Twice, as the damaged file is made again from the other one."""
     for name in (CONFIRMED_LABELS, LABELS_COPY):
-        for garbage in (DATABASE, name):
+        for garbage in (DATABASE_NAME, name):
             (folder / "catalogue" / garbage).write_bytes(b"nonsense" * 999)
         use(folder, label)
 
@@ -219,7 +219,7 @@ def test_poses_of_other_motions_with_the_same_frames_are_computed_again(folder: 
     with Catalogue(folder / "catalogue") as catalogue:
         first = Library.of(catalogue)
         rows = first.table.rows.copy()
-    (folder / "catalogue" / POSES).write_bytes((folder / "catalogue" / POSES).read_bytes()[:-9] + b"\xff" * 9)
+    (folder / "catalogue" / POSES_FILE).write_bytes((folder / "catalogue" / POSES_FILE).read_bytes()[:-9] + b"\xff" * 9)
     with Catalogue(folder / "catalogue") as catalogue:
         assert (Library.of(catalogue).table.rows == rows).all()
     one, other = (path.read_bytes() for path in channels)
@@ -230,13 +230,13 @@ def test_poses_of_other_motions_with_the_same_frames_are_computed_again(folder: 
 
 
 def test_a_library_in_a_folder_that_holds_no_poses_is_searched_from_memory(folder: Path, label: ClipLabel) -> None:
-    for name in (POSES, STAMP):
+    for name in (POSES_FILE, POSES_STAMP_FILE):
         (folder / "catalogue" / name).unlink()
-    (folder / "catalogue" / POSES).mkdir()
+    (folder / "catalogue" / POSES_FILE).mkdir()
     with Catalogue(folder / "catalogue") as catalogue:
         assert len(Library.of(catalogue).clips) == 2
         assert "computed at each start" in catalogue.repaired
-    (folder / "catalogue" / POSES).rmdir()
+    (folder / "catalogue" / POSES_FILE).rmdir()
 
 
 def test_a_label_written_before_a_kill_is_there_after_it(folder: Path, label: ClipLabel) -> None:

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from studio.core.body.morphology import Proportions
-from studio.library.catalogue import DATABASE, Catalogue
+from studio.library.catalogue import DATABASE_NAME, Catalogue
 from studio.library.clip_labels import ClipLabel, HitSegment, Kind, Limb
-from studio.library.hitting import limb_size
+from studio.library.hit_paths import limb_size
 from studio.library.indexing import correct_label, index_folders, labels_without_confirmed
-from studio.library.library import POSES, Library
+from studio.library.library import POSES_FILE, Library
 from studio.library.searching import StrikeQuery, search_strikes
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
@@ -159,10 +159,10 @@ def test_cancelled_it_keeps_what_was_read(folder, tmp_path):
 def test_a_catalogue_that_is_lost_or_damaged_is_made_anew(catalogue, folder):
     place = catalogue.folder
     catalogue.close()
-    (place / DATABASE).write_bytes(b"no database" * 400)
+    (place / DATABASE_NAME).write_bytes(b"no database" * 400)
     with Catalogue(place) as again:
         assert "a new one is made" in again.repaired
-        assert (place / f"{DATABASE}.damaged").exists()
+        assert (place / f"{DATABASE_NAME}.damaged").exists()
         assert index_folders(again, [folder]).read == 3
         assert len(Library.of(again).clips) == 2
 
@@ -203,7 +203,7 @@ def test_channels_that_are_lost_are_read_again(catalogue, folder, damage):
 def test_poses_stay_on_disk_and_are_written_again_when_clips_change(catalogue):
     first = Library.of(catalogue)
     assert first.table.rows.base is not None
-    (catalogue.folder / POSES).unlink()
+    (catalogue.folder / POSES_FILE).unlink()
     assert np.array_equal(Library.of(catalogue).table.rows, first.table.rows)
 
 

@@ -28,10 +28,10 @@ from studio.io.project.character_file import bundled_characters
 from studio.jobs.performances import adapted_performers
 from studio.library.clip_labels import hit_point
 from studio.library.indexing import bundled_library
-from studio.library.inserted_strike import TRIED_STRIKE, StrikeScene, inserted_strike
+from studio.library.inserted_strike import TRIED_STRIKE_ID, StrikeScene, inserted_strike
 from studio.library.library import Library
 from studio.library.searching import Result, StrikeQuery, search_strikes
-from studio.library.striking import VISIBLE_MISS, TriedStrike, tried_strikes
+from studio.library.striking import VISIBLE_RESIDUAL_METRES, TriedStrike, tried_strikes
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
 PEOPLE = bundled_characters()
@@ -104,11 +104,13 @@ def missed_once_inserted(scene: StrikeScene, found: Result) -> float:
     """Distance in metres between what hits and its target on the stage, in the project that the window makes."""
     project = with_motion(scene.project, "strike", found.clip.take.path)
     scene = replace(scene, project=project)
-    made = inserted_strike(scene, found, "strike", "struck", TRIED_STRIKE)
+    made = inserted_strike(scene, found, "strike", "struck", TRIED_STRIKE_ID)
     adapted, performer = adapted_performers(made)["body"], made.performers["body"]
     timing = timing_of(made, performer)
     hit = round((scene.time + found.seconds_to_hit - timing.begin) * timing.frame_rate)
-    reached = Placement.of(performer).to_stage(body_point_positions(made.constraints[TRIED_STRIKE].point, adapted)[hit])
+    reached = Placement.of(performer).to_stage(
+        body_point_positions(made.constraints[TRIED_STRIKE_ID].point, adapted)[hit]
+    )
     return float(np.linalg.norm(reached - scene.target))
 
 
@@ -116,7 +118,7 @@ def assert_promises_are_kept(project: Project, seeds: range) -> None:
     promised = 0
     for scene, each in tried_in(project, seeds, LOW, HIGH):
         if each.hits:
-            assert missed_once_inserted(scene, each.found) < 2.0 * VISIBLE_MISS, each.found.clip.name
+            assert missed_once_inserted(scene, each.found) < 2.0 * VISIBLE_RESIDUAL_METRES, each.found.clip.name
             promised += 1
     assert promised >= 2 * len(seeds)
 
@@ -144,7 +146,7 @@ def test_a_strike_that_another_constraint_keeps_short_is_not_promised():
     held = PositionConstraint("strike", "Held back", point, Chain(limb=1.0), 0, span, target=(0.0, 0.0, 0.3))
     free = replace(scene, project=project, motions_by_path={path: "strike"})
     kept = replace(free, project=replace(project, constraints={"held": held}))
-    assert free.solved_residual(best.found) < VISIBLE_MISS < 0.1 < kept.solved_residual(best.found)
+    assert free.solved_residual(best.found) < VISIBLE_RESIDUAL_METRES < 0.1 < kept.solved_residual(best.found)
 
 
 def test_a_trial_changes_nothing_but_what_is_inserted():

@@ -8,11 +8,11 @@ import pytest
 
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.rotations import from_matrix, from_rotation_vector, to_matrix, to_rotation_vector
-from studio.core.stage.local_pose import LocalPose, local_pose, turns_to
+from studio.core.stage.local_pose import LocalPose, local_pose, offsets_towards
 from studio.library.saved_poses import (
-    HIPS_HEIGHT,
-    NAME,
-    POSE_ROTATIONS,
+    HIPS_HEIGHT_KEY,
+    POSE_NAME_KEY,
+    POSE_ROTATIONS_KEY,
     delete_pose,
     read_poses,
     rename_pose,
@@ -53,19 +53,19 @@ def test_a_renamed_pose_leaves_no_file_behind_and_a_deleted_one_none(tmp_path):
 @pytest.mark.parametrize(
     "damage",
     [
-        lambda record: record.pop(NAME),
-        lambda record: record.pop(HIPS_HEIGHT),
-        lambda record: record.pop(POSE_ROTATIONS),
-        lambda record: record[POSE_ROTATIONS].pop("head"),
-        lambda record: record[POSE_ROTATIONS].update(tail=[0, 0, 0]),
-        lambda record: record[POSE_ROTATIONS].update(head=[0, 0]),
-        lambda record: record[POSE_ROTATIONS].update(head=[0, 0, "x"]),
-        lambda record: record[POSE_ROTATIONS].update(head=[0, 0, math.inf]),
-        lambda record: record[POSE_ROTATIONS].update(head=[0, 0, 10**400]),
-        lambda record: record[POSE_ROTATIONS].update(head=None),
-        lambda record: record.update({HIPS_HEIGHT: math.nan}),
-        lambda record: record.update({HIPS_HEIGHT: []}),
-        lambda record: record.update({POSE_ROTATIONS: []}),
+        lambda record: record.pop(POSE_NAME_KEY),
+        lambda record: record.pop(HIPS_HEIGHT_KEY),
+        lambda record: record.pop(POSE_ROTATIONS_KEY),
+        lambda record: record[POSE_ROTATIONS_KEY].pop("head"),
+        lambda record: record[POSE_ROTATIONS_KEY].update(tail=[0, 0, 0]),
+        lambda record: record[POSE_ROTATIONS_KEY].update(head=[0, 0]),
+        lambda record: record[POSE_ROTATIONS_KEY].update(head=[0, 0, "x"]),
+        lambda record: record[POSE_ROTATIONS_KEY].update(head=[0, 0, math.inf]),
+        lambda record: record[POSE_ROTATIONS_KEY].update(head=[0, 0, 10**400]),
+        lambda record: record[POSE_ROTATIONS_KEY].update(head=None),
+        lambda record: record.update({HIPS_HEIGHT_KEY: math.nan}),
+        lambda record: record.update({HIPS_HEIGHT_KEY: []}),
+        lambda record: record.update({POSE_ROTATIONS_KEY: []}),
     ],
 )
 def test_a_damaged_file_is_reported_by_its_path_and_the_others_are_read(tmp_path, damage):
@@ -105,7 +105,7 @@ def test_a_pose_fits_bodies_of_any_number_of_vertebrae_and_replaces_the_offsets_
     before = {BodyPart.ABDOMEN: (0.1, 0.4, 0.0), BodyPart.LEFT_FOREARM: (0.3, 0.0, 0.1), BodyPart.THORAX: (0, 0.2, 0.1)}
     other = BodyLayout(other_spine)
     pose = local_pose(other, posed(other, 2), 1.0)
-    turns = turns_to(layout, turned_by(layout, plain, before), pose, tuple(BodyPart), 1.0, before)
+    turns = offsets_towards(layout, turned_by(layout, plain, before), pose, tuple(BodyPart), 1.0, before)
     reached = turned_by(layout, plain, turns)
     ends = [layout.spine_count - 1, *range(layout.spine_count, layout.segment_count)]
     others = [other_spine - 1, *range(other_spine, other.segment_count)]

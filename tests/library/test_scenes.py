@@ -69,10 +69,10 @@ def test_eight_fighters_of_different_bodies_share_three_motions(scene: Project) 
 def test_forearms_meet_ankles_and_fists_meet_heads(scene: Project, staged: StagedPerformances) -> None:
     assert not staged.failures
     for white, red in pairs(scene):
-        forearm = on_stage(scene, staged, red, fight.WARDING_FOREARM, 2.033)
-        assert np.linalg.norm(forearm - on_stage(scene, staged, white, fight.KICKING_ANKLE, 2.033)) < 1e-3
-        fist = on_stage(scene, staged, red, fight.RIGHT_FIST, 3.0)
-        assert np.linalg.norm(fist - on_stage(scene, staged, white, fight.CHIN, 3.0)) < 1e-3
+        forearm = on_stage(scene, staged, red, fight.WARDING_FOREARM_POINT, 2.033)
+        assert np.linalg.norm(forearm - on_stage(scene, staged, white, fight.KICKING_ANKLE_POINT, 2.033)) < 1e-3
+        fist = on_stage(scene, staged, red, fight.RIGHT_FIST_POINT, 3.0)
+        assert np.linalg.norm(fist - on_stage(scene, staged, white, fight.CHIN_POINT, 3.0)) < 1e-3
         assert staged.performances[white].iterations <= FEW
 
 
@@ -143,11 +143,11 @@ def test_hands_of_arms_of_any_length_meet_at_the_same_moments() -> None:
     project, made = performed("A clap")
     assert len({each.morphology.arm[0, 0] for each in project.characters.values()}) == 3
     for performance in made.values():
-        left, right = (body_point_positions(point, performance.adapted) for point in changing.PALMS)
+        left, right = (body_point_positions(point, performance.adapted) for point in changing.PALM_POINTS)
         apart = np.linalg.norm(left - right, axis=1)
         frame_at = performance.composite.timing.frame_at
-        assert all(apart[round(frame_at(second))] < 1e-3 for second in changing.CLAPS)
-        assert all(apart[round(frame_at(second + 0.25))] > 0.3 for second in changing.CLAPS[:-1])
+        assert all(apart[round(frame_at(second))] < 1e-3 for second in changing.CLAP_SECONDS)
+        assert all(apart[round(frame_at(second + 0.25))] > 0.3 for second in changing.CLAP_SECONDS[:-1])
 
 
 def test_the_same_target_finds_three_bodies_three_strikes_and_all_meet_it() -> None:
@@ -173,7 +173,7 @@ def test_nobody_slides_on_steps_and_all_come_up() -> None:
         quality = contact_quality(performance.adapted, performance.adapted.contacts, ground)
         assert quality.slide < 2e-3
         heights = performance.adapted.positions[:, performance.adapted.morphology.layout.toe_point(0), 2]
-        assert heights.max() > changing.RISE
+        assert heights.max() > changing.STEP_RISE_METRES
 
 
 def test_who_grows_and_who_shrinks_keeps_its_feet_where_they_stand() -> None:

@@ -18,11 +18,11 @@ from studio.core.stage.clip import Clip
 from studio.io.project.character_file import bundled_characters
 from studio.library.catalogue import Catalogue
 from studio.library.clip_labels import Kind, Limb
-from studio.library.hitting import hit_places
+from studio.library.hit_paths import hit_point_positions
 from studio.library.indexing import bundled_library, index_folders
 from studio.library.library import Library
 from studio.library.scenes.choosing import target_of
-from studio.library.searching import StrikeQuery, place_before, search_strikes, strike_path
+from studio.library.searching import StrikeQuery, position_ahead_of, search_strikes, strike_path
 from studio.library.striking import StrikeClip, aimed_constraint, make_strike
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples" / "captures"
@@ -52,7 +52,7 @@ def found_for(library, body, ahead, height, frame=60, **changes):
     pose = replace(playing.motion, channels=playing.motion.channels[frame : frame + 1])
     heading = pose.channels[0, 3]
     offset = [ahead * np.cos(-heading), ahead * np.sin(-heading), height]
-    place = place_before(pose, body, offset)
+    place = position_ahead_of(pose, body, offset)
     return search_strikes(library, StrikeQuery(pose, body, place, **changes))[0], place
 
 
@@ -63,7 +63,9 @@ def test_a_target_that_can_be_reached_is_hit_within_a_millimetre(library, name):
     best, place = found_for(library, body, 1.25 * reach, 0.78 * body.stature)
     strike = make_strike(guard(library), 60, StrikeClip.of(best), body, tuple(place.tolist()))
     adapted = strike.adapted()
-    point = hit_places(adapted.positions, adapted.rotations, body, best.clip.label.limb, best.clip.label.segment)
+    point = hit_point_positions(
+        adapted.positions, adapted.rotations, body, best.clip.label.limb, best.clip.label.segment
+    )
     assert np.linalg.norm(point[strike.hit] - place) < 1e-3
     assert adapted.residuals[0, strike.hit] < 1e-3
     assert np.isnan(adapted.residuals[0, : strike.change]).all()
@@ -92,7 +94,9 @@ def test_a_target_that_moves_on_is_hit_where_it_is_then(library):
     moved = place + np.array([0.0, 0.1, 0.05])
     times = strike.change / rate, strike.hit / rate
     adapted = strike.adapted(KeyedPlace(times, (tuple(place.tolist()), tuple(moved.tolist()))))
-    point = hit_places(adapted.positions, adapted.rotations, body, best.clip.label.limb, best.clip.label.segment)
+    point = hit_point_positions(
+        adapted.positions, adapted.rotations, body, best.clip.label.limb, best.clip.label.segment
+    )
     assert np.linalg.norm(point[strike.hit] - moved) < 1e-3
 
 
@@ -142,7 +146,7 @@ def test_an_outline_starts_in_the_pose_and_passes_the_target_as_far_off_as_it_sa
     body = library.clips[0].actor.body
     playing = guard(library)
     pose = replace(playing.motion, channels=playing.motion.channels[60:61])
-    place = place_before(pose, body, [0.9, 0.1, 1.3])
+    place = position_ahead_of(pose, body, [0.9, 0.1, 1.3])
     asked = StrikeQuery(pose, body, place)
     best = search_strikes(library, asked)[0]
     points = strike_path(best, asked)
@@ -150,6 +154,6 @@ def test_an_outline_starts_in_the_pose_and_passes_the_target_as_far_off_as_it_sa
     _, rotations = realize_motion(cut, body)
     c, s = np.cos(best.turn), np.sin(best.turn)
     turned = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ rotations
-    passes = hit_places(points, turned, body, best.clip.label.limb, best.clip.label.segment)[-1]
+    passes = hit_point_positions(points, turned, body, best.clip.label.limb, best.clip.label.segment)[-1]
     assert np.linalg.norm(passes - place) == pytest.approx(best.reach, abs=0.005)
     assert np.abs(points[0] - realize_motion(pose, body)[0][0]).mean() < 0.1

@@ -6,7 +6,7 @@ from random import Random
 
 from studio.core.constraints.scope import Scope
 from studio.core.curves.keyed import KeyedNumber
-from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP, Speed
+from studio.core.curves.retiming import FASTEST_CLIP_SPEED, SLOWEST_CLIP_SPEED, Speed
 from studio.core.curves.tangents import TangentMode, tangents_of
 from studio.core.errors import StudioError
 from studio.core.stage.clip_row import with_first_frame, with_last_frame
@@ -24,7 +24,7 @@ STEPS = 10
 def keyed_speed(random: Random, near: float) -> Speed:
     """A speed with one to four keys around second ``near`` of a motion, some of them far away."""
     times = sorted({round(near + random.choice([-1.0, 0.0, 0.01, 0.02, 0.5, 1e3, 1e8]), 3) for _ in range(4)})
-    values = [random.choice([SLOWEST_CLIP, FASTEST_CLIP, 1.0, random.uniform(0.1, 10.0)]) for _ in times]
+    values = [random.choice([SLOWEST_CLIP_SPEED, FASTEST_CLIP_SPEED, 1.0, random.uniform(0.1, 10.0)]) for _ in times]
     speed = KeyedNumber(tuple(times), tuple(values))
     modes = (random.choice([None, *TangentMode]) for _ in times)
     tangents = tuple(None if mode is None else tangents_of(mode) for mode in modes)
@@ -41,7 +41,9 @@ def commands(random: Random, document: EditedProject) -> list[Callable[[], objec
     count = project.captures[project.motions[clip.motion_id].capture_id].frame_count
     frame = clip.first + random.choice([-1, 0, 0, 1, 2, count])
     time = clip.start + clip.length(rate) * random.choice([-0.1, 0.0, 0.01, 0.5, 0.99, 1.0])
-    speed = random.choice([FASTEST_CLIP, SLOWEST_CLIP, 0.0, -1.0, float("nan"), keyed_speed(random, clip.first / rate)])
+    speed = random.choice(
+        [FASTEST_CLIP_SPEED, SLOWEST_CLIP_SPEED, 0.0, -1.0, float("nan"), keyed_speed(random, clip.first / rate)]
+    )
     fields = random.choice([
         {"repeats": random.choice([0, 1, 2, 10])}, {"joined": not clip.joined}, {"turn": 2.0}, {"grip": 1.0},
         {"start": random.choice([-1.0, 0.0, time])}, {"offset": (1.0, 0.0)}, {"ease": random.choice([0.0, 0.2, -1.0])},

@@ -7,14 +7,14 @@ import numpy as np
 
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval, ContactPoint
-from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP
+from studio.core.curves.retiming import FASTEST_CLIP_SPEED, SLOWEST_CLIP_SPEED
 from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.performing import adapt_performers
 from studio.core.stage.clip import Clip
 from studio.core.stage.layer import Layer, Region
 from studio.core.stage.project import Performer, Project
 from studio.jobs.performances import prepared_capture
-from studio.library.scenes.stagehand import bodies, material
+from studio.library.scenes.stagehand import source_motions, varied_characters
 from studio.live.playing_stage import LiveStage
 
 NAMES = "front_kick", "reach_grasp", "walk_turn"
@@ -22,7 +22,7 @@ NAMES = "front_kick", "reach_grasp", "walk_turn"
 
 @cache
 def stuff() -> Project:
-    return material(**{name: (name, name) for name in NAMES})
+    return source_motions(**{name: (name, name) for name in NAMES})
 
 
 _known: dict[int, tuple[Capture, tuple]] = {}
@@ -45,7 +45,7 @@ def short_clip(random: Random, number: int) -> Clip:
         last,
         random.choice([0.0, 0.0, 0.01, 0.1, 1.0]),
         f"clip {number}",
-        speed=random.choice([1.0, FASTEST_CLIP, FASTEST_CLIP, SLOWEST_CLIP, 2.5]),
+        speed=random.choice([1.0, FASTEST_CLIP_SPEED, FASTEST_CLIP_SPEED, SLOWEST_CLIP_SPEED, 2.5]),
         repeats=random.choice([1, 1, 2, 3, 10]),
         mirrored=random.random() < 0.3,
         joined=random.random() < 0.7,
@@ -60,7 +60,7 @@ def staged(clips: tuple[Clip, ...], layers: tuple[Layer, ...], carried: bool) ->
     if carried:
         contacts["hand"] = ContactInterval(clips[0].motion_id, ContactPoint.LEFT_HAND, clips[0].first, clips[0].last)
     one = Performer("One", "child", clips, layers=layers)
-    return Project(stuff().captures, stuff().motions, bodies(5), {"one": one}, {}, contacts)
+    return Project(stuff().captures, stuff().motions, varied_characters(5), {"one": one}, {}, contacts)
 
 
 def short_layer(random: Random) -> Layer:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from benchmarks.fighting import IN_REACH, ducking
 from examples.keyed.strikes import HIT, STRIKES, Kick
-from studio.cli.live import guard_of, rehearse, swaying
+from studio.cli.live import guard_of, rehearse, swaying_head
 from studio.cli.main import main
 from studio.core.captures.contacts import touching_points
 from studio.io.project.character_file import bundled_characters
@@ -58,7 +58,7 @@ def test_a_mirrored_library_has_every_limb(library):
 def test_it_hits_a_moving_head_within_a_millimetre(library, name):
     body = BODIES[name]
     fighter = Fighter(library, body, GUARD)
-    report = fight(fighter, lambda now: swaying(now, body.stature), orders_every(1.5, [ANY_STRIKE]), 10.0)
+    report = fight(fighter, lambda now: swaying_head(now, body.stature), orders_every(1.5, [ANY_STRIKE]), 10.0)
     assert len(report.hits) == 6
     assert max(hit.missed for hit in report.hits) < 1e-3
 
@@ -86,7 +86,7 @@ def test_nothing_jumps_and_feet_that_stand_stay(library):
             {each.point.side for each in contacts if each.point.is_heel and each.first <= frame <= each.last}
         )
 
-    fight(fighter, lambda now: swaying(now, body.stature), orders_every(2.0, [ANY_STRIKE]), 8.0, show)
+    fight(fighter, lambda now: swaying_head(now, body.stature), orders_every(2.0, [ANY_STRIKE]), 8.0, show)
     positions = np.array(shown)
     jerk = np.linalg.norm(np.diff(positions, 2, axis=0), axis=2).max()
     take = next(clip for clip in library.clips if clip.label.limb is Limb.RIGHT_ARM).take

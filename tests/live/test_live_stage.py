@@ -20,6 +20,7 @@ from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import adapt, body_point_positions
 from studio.core.solver.performers.performing import adapt_performers
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
+from studio.core.stage.behaviour_target import FollowPartner
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import (
     ClipEndCondition,
@@ -29,13 +30,12 @@ from studio.core.stage.conditions import (
     TimeCondition,
 )
 from studio.core.stage.correction import PoseOffsets, new_correction
-from studio.core.stage.manners import Meet
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import GROUND_ID, Performer, Project
 from studio.core.stage.prop import Prop
-from studio.core.stage.whom import FollowPartner
+from studio.core.stage.reactions import Meet
 from studio.jobs.performances import prepared_capture
-from studio.library.scenes.stagehand import bodies, material
+from studio.library.scenes.stagehand import source_motions, varied_characters
 from studio.live.playing import row_motion
 from studio.live.playing_stage import LiveStage
 
@@ -51,12 +51,12 @@ CHANGE = 30
 @cache
 def stuff():
     names = ("walk_turn", "front_kick", "straight_punch", "reach_grasp")
-    return material(**{name: (name, name) for name in names})
+    return source_motions(**{name: (name, name) for name in names})
 
 
 @cache
 def cast():
-    return bodies(5)
+    return varied_characters(5)
 
 
 _known: dict[int, tuple[Capture, tuple]] = {}

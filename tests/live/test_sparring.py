@@ -12,16 +12,16 @@ from studio.core.captures.reaching import farthest_reach_frame
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import body_point_positions
 from studio.core.solver.request import AdaptedMotion
-from studio.core.stage.manners import ARM_POINT, FIST_POINT, HEAD_POINT, KeepDistance, LeanAway
+from studio.core.stage.behaviour_target import PELVIS_POINT
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
-from studio.core.stage.whom import PELVIS_POINT
+from studio.core.stage.reactions import ARM_POINT, FIST_POINT, HEAD_POINT, KeepDistance, LeanAway
 from studio.jobs.performances import prepared_capture
 from studio.library.scenes import fight
 from studio.library.scenes.sparring import (
     ARM_STRETCHED_FRAME,
     HEAD_CLEARANCE,
-    HIT,
+    PUNCH_HIT_SECONDS,
     PUNCH_KEYS,
     SPARRING_DISTANCE,
     sparring,
@@ -126,10 +126,12 @@ def test_a_forearm_meets_the_fist_of_a_low_punch(one, other):
     fight = Fight(scene())
     for _ in fight.play(3.0):
         pass
-    nearest = [fight.apart(FIST_POINT, ARM_POINT, one, other) for _ in fight.play(2.0 * HIT, PUNCH_KEYS[one][0])]
+    nearest = [
+        fight.apart(FIST_POINT, ARM_POINT, one, other) for _ in fight.play(2.0 * PUNCH_HIT_SECONDS, PUNCH_KEYS[one][0])
+    ]
     assert fight.state(other) in ("Ward off", "Guard")
     assert min(nearest) < 5e-3
-    assert np.argmin(nearest) * STEP == pytest.approx(HIT, abs=0.1)
+    assert np.argmin(nearest) * STEP == pytest.approx(PUNCH_HIT_SECONDS, abs=0.1)
 
 
 @pytest.mark.parametrize(("one", "other"), [(ONE, OTHER), (OTHER, ONE)])
@@ -138,7 +140,10 @@ def test_a_head_leans_away_from_a_high_punch_that_would_come_nearer(one, other):
         fight = Fight(project)
         for _ in fight.play(3.0):
             pass
-        return min(fight.apart(FIST_POINT, HEAD_POINT, one, other) for _ in fight.play(2.0 * HIT, PUNCH_KEYS[one][1]))
+        return min(
+            fight.apart(FIST_POINT, HEAD_POINT, one, other)
+            for _ in fight.play(2.0 * PUNCH_HIT_SECONDS, PUNCH_KEYS[one][1])
+        )
 
     assert nearest(scene()) > HEAD_CLEARANCE - 5e-3
     assert nearest(stiff(scene())) < HEAD_CLEARANCE - 0.05
@@ -178,8 +183,8 @@ def test_eight_fighters_kick_ward_off_and_punch_by_two_behaviours_that_fit_all_b
     for results in steps:
         for white, red in pairs:
             for gaps, own, other in (
-                (met, fight.WARDING_FOREARM, fight.KICKING_ANKLE),
-                (hit, fight.RIGHT_FIST, fight.CHIN),
+                (met, fight.WARDING_FOREARM_POINT, fight.KICKING_ANKLE_POINT),
+                (hit, fight.RIGHT_FIST_POINT, fight.CHIN_POINT),
             ):
                 places = [
                     Placement.of(project.performers[key]).to_stage(body_point_positions(point, results[key])[0])

@@ -16,7 +16,7 @@ from studio.core.solver.standing.stepping import flights_of
 from studio.core.solver.standing.swing_foot_path import Sole
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import GROUND_ID
-from studio.library.scenes.stagehand import material
+from studio.library.scenes.stagehand import source_motions
 from studio.live.playing import row_motion
 from studio.live.playing_stage import LiveStage
 from tests.live.test_live_stage import CHANGE, PERMITTED, STEP, Shown, cast, changed, clip_of, prepare, staged, stuff
@@ -25,7 +25,7 @@ from tests.live.test_live_stage import CHANGE, PERMITTED, STEP, Shown, cast, cha
 @cache
 def turned_over():
     names = ("straight_punch", "cartwheel")
-    return material(**{name: (name, name) for name in names})
+    return source_motions(**{name: (name, name) for name in names})
 
 
 def turning(name: str, first: int) -> Clip:

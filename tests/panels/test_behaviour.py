@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QApplication, QComboBox, QLineEdit, QPushButton
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import ClipEndCondition, DistanceCondition, EventCondition, KeyCondition
-from studio.core.stage.manners import KeepDistance
+from studio.core.stage.reactions import KeepDistance
 from studio.document.behaviour_commands import remove_parts
 from studio.document.document import Document
 from studio.panels.behaviour.panel import BehaviourPanel

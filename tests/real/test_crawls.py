@@ -13,7 +13,7 @@ from studio.core.captures.contacts import ContactPoint
 from studio.core.grounds import Slope
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.normalize import capture_contacts, normalize_capture
-from studio.core.quality.motion_quality import COMMON_LEG, limb_elevations, motion_quality
+from studio.core.quality.motion_quality import COMMON_LEG_METRES, limb_elevations, motion_quality
 from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
@@ -72,7 +72,7 @@ def _hips(motion: AdaptedMotion) -> NDArray[np.float64]:
     """(F,) metres of the hips above the ground on legs of 85 cm."""
     layout = motion.morphology.layout
     heights = motion.positions[:, [layout.hip_point(0), layout.hip_point(1)], 2].mean(axis=1)
-    return np.asarray(heights * COMMON_LEG / motion.morphology.leg_length)
+    return np.asarray(heights * COMMON_LEG_METRES / motion.morphology.leg_length)
 
 
 @pytest.mark.parametrize("name", BODIES)

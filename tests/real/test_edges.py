@@ -11,7 +11,7 @@ from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.distance import DistanceConstraint
-from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.look_at import EYES_POINT, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
@@ -66,7 +66,7 @@ def _sets(before: AdaptedMotion, times: ActivationCurve) -> Iterator[tuple[Const
     yield (made(PositionConstraint, head, Chain(0, 0, 1, 1, 0), target=place(shoulders[1], 0.3, 0.2, 0.2)),)
     yield (made(BalanceConstraint, pelvis, WHOLE, place=place(before.positions[frame, 0], 0.08, 0.04, 0.0)[:2]),)
     yield (made(OrientationConstraint, hand, Chain(), target=(0.5, 0.5, 0.5, 0.5)),)
-    yield (made(LookAtConstraint, EYES, Chain(0, 0, 1, 1), target=place(shoulders[1], 1.5, 1.0, 0.0)),)
+    yield (made(LookAtConstraint, EYES_POINT, Chain(0, 0, 1, 1), target=place(shoulders[1], 1.5, 1.0, 0.0)),)
     left = BodyPoint(WRISTS[0], at_end=True)
     yield (made(DistanceConstraint, BodyPoint(WRISTS[1], at_end=True), TRUNK, other=left, distance=0.05),)
     shape = {"shape": AreaShape.SPHERE, "centre": tuple(wrist.tolist()), "size": (0.3, 0.3, 0.3)}

@@ -7,7 +7,7 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.request import AdaptRequest
 from studio.io.export import take_of_actor
 from studio.io.importing import load_capture
-from studio.jobs.adaptation import made_ready
+from studio.jobs.adaptation import ready_from_capture
 from tests.captures import outside
 from tests.real.taken import named
 
@@ -16,7 +16,7 @@ CLIPS = ("accad_male2_G7_Capoeira", "pybvh_test3_fingers", "mass_backflip", "bvh
 
 @pytest.fixture(scope="module", params=["dance", "get_up", *outside(*CLIPS)])
 def take(request):
-    ready = made_ready(load_capture(named(request.param)))
+    ready = ready_from_capture(load_capture(named(request.param)))
     asked = AdaptRequest(ready.motion, ready.actor.morphology, ready.contacts)
     return take_of_actor(adapt(asked, ready.capture.first_frame), ready.actor, ready.capture, asked)
 

@@ -7,7 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.cli.bench_cases import BENCH_FOREARMS, LIMB, WHOLE_CHAIN, WITH_TRUNK, clip_of, make_tasks
+from studio.cli.bench_cases import (
+    BENCH_FOREARMS,
+    LIMB_AND_TRUNK_CHAIN,
+    LIMB_CHAIN,
+    WHOLE_BODY_CHAIN,
+    clip_of,
+    make_tasks,
+)
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
@@ -87,7 +94,7 @@ def _wandering(standing: GroundedMotion, seed: int, chain: Chain) -> tuple[tuple
 
 @pytest.mark.parametrize(
     ("chain", "limited", "unlimited"),
-    [(LIMB, 45.0, 9.0), (WITH_TRUNK, 180.0, 11.0), (WHOLE_CHAIN, 230.0, 11.0)],
+    [(LIMB_CHAIN, 45.0, 9.0), (LIMB_AND_TRUNK_CHAIN, 180.0, 11.0), (WHOLE_BODY_CHAIN, 230.0, 11.0)],
     ids=["arm", "trunk", "root"],
 )
 def test_places_that_wander_about_the_shoulders_before_and_behind_cost_few_jerks(

@@ -10,7 +10,7 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.clear import ClearConstraint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.constraints.follow import FollowBody
-from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.look_at import EYES_POINT, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
@@ -81,7 +81,7 @@ class _Wishes:
         return OrientationConstraint(motion, name, BodyPoint(point.part), *rest, target=tuple(turned))
 
     def look_at(self, motion: str, name: str, _: BodyPoint, *rest: object) -> Constraint:
-        return LookAtConstraint(motion, name, EYES, *rest, target=self.near(EYES))
+        return LookAtConstraint(motion, name, EYES_POINT, *rest, target=self.near(EYES_POINT))
 
     def distance(self, motion: str, name: str, _: BodyPoint, *rest: object) -> Constraint:
         left, right = BodyPoint(BodyPart.LEFT_HAND), BodyPoint(BodyPart.RIGHT_HAND)

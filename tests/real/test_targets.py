@@ -7,7 +7,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.constraints.balance import BalanceConstraint, Support
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.follow import FollowBody, FollowTracked
-from studio.core.constraints.look_at import EYES, LookAtConstraint
+from studio.core.constraints.look_at import EYES_POINT, LookAtConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.grounds.ground import Ground
@@ -52,7 +52,7 @@ def test_the_report_of_a_kick_has_every_number_and_a_reason_for_every_miss(stem:
     hand = FollowTracked("RightHand")
     constraints = (
         PositionConstraint("m", "As captured", RIGHT, ARM, 0, ALWAYS, target=hand),
-        LookAtConstraint("m", "Watch it", EYES, Chain(1, 1, 0, 0.3), 1, ALWAYS, target=FollowBody(RIGHT)),
+        LookAtConstraint("m", "Watch it", EYES_POINT, Chain(1, 1, 0, 0.3), 1, ALWAYS, target=FollowBody(RIGHT)),
         PositionConstraint("m", "Cover", LEFT, ARM, 2, ALWAYS, target=FollowBody(RIGHT)),
     )
     tracks = {hand: captured_joint_track(hand, capture)}

@@ -22,18 +22,18 @@ def followed(monkeypatch, *steps):
     """Reports while the shares of both processes are as in ``steps``."""
     left = list(steps)
     warming = object.__new__(kernel_warm_up.WarmUp)
-    warming.cold, warming._shares = True, dict.fromkeys(kernel_warm_up.SOLVER, 0.0)
+    warming.cold, warming._shares = True, dict.fromkeys(kernel_warm_up.SOLVER_FUNCTIONS, 0.0)
 
     def is_running(_self):
         if left:
-            warming._shares = dict(zip(kernel_warm_up.SOLVER, left.pop(0), strict=True))
+            warming._shares = dict(zip(kernel_warm_up.SOLVER_FUNCTIONS, left.pop(0), strict=True))
             return True
         return False
 
     monkeypatch.setattr(kernel_warm_up, "time", SimpleNamespace(sleep=lambda _seconds: None))
     monkeypatch.setattr(kernel_warm_up.WarmUp, "running", property(is_running))
     told = []
-    warming.follow(lambda share, words: told.append((share / kernel_warm_up.COMPILED, words)))
+    warming.follow(lambda share, words: told.append((share / kernel_warm_up.COMPILED_FRACTION, words)))
     return told
 
 
@@ -44,7 +44,7 @@ def test_it_is_as_far_as_the_process_that_is_furthest_from_its_end(monkeypatch):
 
 def test_a_process_that_counts_anew_takes_nothing_back():
     warming = object.__new__(kernel_warm_up.WarmUp)
-    part = kernel_warm_up.SOLVER[0]
+    part = kernel_warm_up.SOLVER_FUNCTIONS[0]
     warming._shares, warming._running = {part: 0.0}, {}
     warming._listen(part, [b"first_run.run_standing 0.400\n", b"first_run.run_rest 0.100\n", b"first_run.ru"])
     assert warming._shares == {part: 0.4}
@@ -95,7 +95,7 @@ def cold(monkeypatch, tmp_path):
     ran = []
     monkeypatch.setattr(kernel_warm_up, "run", ran.append)
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    monkeypatch.setattr(kernel_warm_up, "CHILD", (sys.executable, "-c", "print('first_run.run_standing 0.5')"))
+    monkeypatch.setattr(kernel_warm_up, "CHILD_COMMAND", (sys.executable, "-c", "print('first_run.run_standing 0.5')"))
     return ran
 
 
@@ -117,19 +117,19 @@ def test_a_verb_says_what_it_waits_for_and_how_far_that_is(cold, capsys):
 def test_who_only_reads_says_so_where_that_is_still_to_be_compiled_and_else_nothing(cold, tmp_path, capsys):
     kernel_warm_up.print_wait_reason()
     assert capsys.readouterr().err == "Compiling the file readers, once on this computer: about ten seconds.\n"
-    (tmp_path / kernel_warm_up.LAST_TO_READ.replace("*", "1")).touch()
+    (tmp_path / kernel_warm_up.READING_KERNEL_PATTERN.replace("*", "1")).touch()
     kernel_warm_up.print_wait_reason()
     assert capsys.readouterr().err == ""
 
 
 def test_what_another_process_fails_in_is_done_and_told_here(cold, monkeypatch):
-    monkeypatch.setattr(kernel_warm_up, "CHILD", (sys.executable, "-c", "raise SystemExit(3)"))
+    monkeypatch.setattr(kernel_warm_up, "CHILD_COMMAND", (sys.executable, "-c", "raise SystemExit(3)"))
     kernel_warm_up.WarmUp().join()
     assert cold[0] == FETCHED[0]
 
 
 def test_a_window_that_closes_does_not_wait_for_the_other_processes(cold, monkeypatch):
-    monkeypatch.setattr(kernel_warm_up, "CHILD", (sys.executable, "-c", "import time; time.sleep(600)"))
+    monkeypatch.setattr(kernel_warm_up, "CHILD_COMMAND", (sys.executable, "-c", "import time; time.sleep(600)"))
     warming = kernel_warm_up.WarmUp()
     warming.stop()
     with pytest.raises(CancelledError):
@@ -180,7 +180,9 @@ def test_a_process_whose_listener_is_gone_ends_without_a_word():
 
 
 def test_the_name_by_which_a_cache_is_known_to_read_is_that_of_the_kernel():
-    assert encode_frames._cache._impl.filename_base.startswith(kernel_warm_up.LAST_TO_READ.removesuffix("*.nbc"))
+    assert encode_frames._cache._impl.filename_base.startswith(
+        kernel_warm_up.READING_KERNEL_PATTERN.removesuffix("*.nbc")
+    )
 
 
 def test_both_halves_compile_exactly_what_the_whole_needs():
@@ -201,7 +203,7 @@ def test_nothing_is_compiled_after_the_warm_up():
 
 def test_what_was_compiled_before_a_kernel_was_written_is_compiled_again(cold, tmp_path):
     """A checkout made anew at the same place holds the same kernels, which numba takes for others all the same."""
-    mark = tmp_path / kernel_warm_up.COMPLETE
+    mark = tmp_path / kernel_warm_up.COMPLETE_MARK_FILE
     mark.touch()
     assert not kernel_warm_up.is_cold()
     os.utime(mark, (1e9, 1e9))
@@ -213,7 +215,7 @@ def test_bodies_can_stand_before_the_constraints_are_compiled(cold, monkeypatch)
         "import sys, time; constraints = 'run_constraints' in sys.argv[1]\n"
         "print('first_run.run_rest 0.9', flush=True); time.sleep(600 if constraints else 0)"
     )
-    monkeypatch.setattr(kernel_warm_up, "CHILD", (sys.executable, "-c", script))
+    monkeypatch.setattr(kernel_warm_up, "CHILD_COMMAND", (sys.executable, "-c", script))
     warming = kernel_warm_up.WarmUp()
     warming.join_grounded()
     assert cold == [kernel_warm_up.WARM_STANDING]
@@ -226,7 +228,7 @@ def test_a_second_start_says_nothing_of_compiling(cold):
     kernel_warm_up.WarmUp().join()
     first = kernel_warm_up.WarmUp()
     first.stop()
-    Path(os.environ["NUMBA_CACHE_DIR"], kernel_warm_up.COMPLETE).touch()
+    Path(os.environ["NUMBA_CACHE_DIR"], kernel_warm_up.COMPLETE_MARK_FILE).touch()
     second = kernel_warm_up.WarmUp(held=True)
     assert (second.cold, second.words) == (False, "")
     second.stop()
@@ -235,11 +237,11 @@ def test_a_second_start_says_nothing_of_compiling(cold):
 def test_the_processes_are_as_urgent_as_the_one_that_waits_for_them(cold, monkeypatch, tmp_path):
     """Of two processors that two others keep busy they get half, and so end in twice their time."""
     script = "import os, sys; print(os.nice(0), file=open(sys.argv[-1].replace('.', '-'), 'w'))"
-    monkeypatch.setattr(kernel_warm_up, "CHILD", (sys.executable, "-c", script))
+    monkeypatch.setattr(kernel_warm_up, "CHILD_COMMAND", (sys.executable, "-c", script))
     monkeypatch.setattr("studio.io.child_process.STUDIO_ROOT", tmp_path)
     kernel_warm_up.WarmUp().join()
     told = {
         part[-1]: (tmp_path / part[-1].replace(".", "-")).read_text()
-        for part in (kernel_warm_up.PICTURE, *kernel_warm_up.SOLVER)
+        for part in (kernel_warm_up.PICTURE_FUNCTIONS, *kernel_warm_up.SOLVER_FUNCTIONS)
     }
     assert told == dict.fromkeys(told, f"{os.nice(0)}\n")

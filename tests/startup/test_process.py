@@ -26,9 +26,9 @@ def test_the_kernel_cache_changes_with_the_content_of_any_kernel(tmp_path):
 
 
 def test_a_checkout_that_is_copied_has_a_kernel_cache_of_its_own(tmp_path, monkeypatch):
-    copy = shutil.copytree(process.KERNELS, tmp_path / "kernels", ignore=shutil.ignore_patterns("__pycache__"))
+    copy = shutil.copytree(process.KERNELS_FOLDER, tmp_path / "kernels", ignore=shutil.ignore_patterns("__pycache__"))
     here = kernel_cache_folder()
-    monkeypatch.setattr(process, "KERNELS", copy)
+    monkeypatch.setattr(process, "KERNELS_FOLDER", copy)
     assert kernel_cache_folder() != here
 
 
@@ -217,7 +217,7 @@ print(kept, resident() - before)
 @pytest.fixture
 def bare(monkeypatch):
     """A system without the library that Qt and VTK draw with."""
-    monkeypatch.setitem(system_libraries.DRAWING, "libEGL-missing.so.1", "libegl1")
+    monkeypatch.setitem(system_libraries.DRAWING_LIBRARIES, "libEGL-missing.so.1", "libegl1")
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="libraries of Linux")
@@ -242,11 +242,15 @@ def test_a_missing_library_is_one_sentence_with_what_this_user_can_type(bare, mo
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="libraries of Linux")
 def test_what_is_to_be_typed_is_all_that_pictures_and_a_window_take_and_each_once(monkeypatch):
     monkeypatch.setattr(system_libraries, "_loads", lambda name: False)
-    needed = {**system_libraries.DRAWING, **system_libraries.WINDOW_LIBRARIES, **system_libraries.LIKED}
+    needed = {
+        **system_libraries.DRAWING_LIBRARIES,
+        **system_libraries.WINDOW_LIBRARIES,
+        **system_libraries.OPTIONAL_LIBRARIES,
+    }
     packages = system_libraries.missing_packages()
     assert set(needed.values()) <= set(packages)
     assert len(packages) == len(set(packages))
-    assert " ".join(packages) in system_libraries.sentence_about(system_libraries.DRAWING)
+    assert " ".join(packages) in system_libraries.sentence_about(system_libraries.DRAWING_LIBRARIES)
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="libraries of Linux")

@@ -11,8 +11,8 @@ from studio.core.errors import StudioError
 from studio.core.stage import ready_made
 from studio.core.stage.behaviour import Behaviour
 from studio.core.stage.clip import Clip
-from studio.core.stage.manners import WHOLE_CLIP
 from studio.core.stage.project import Project, new_id
+from studio.core.stage.reactions import ACTIVE_WHOLE_CLIP
 from studio.document.behaviour_commands import add_behaviour, edit_behaviour, set_cast, state_key
 
 STRIKE_KEY = "X"
@@ -148,9 +148,9 @@ def _when_hit(bench: Workbench, clip: Clip) -> ActivationCurve:
     project = bench.document.project
     _, partner_id = _pair(bench)
     behaviour = project.behaviours.get(project.behaviour_of(partner_id) or "")
-    blows = [each.clip for each in behaviour.states if each.event == ready_made.ATTACK] if behaviour else []
+    blows = [each.clip for each in behaviour.states if each.event == ready_made.ATTACK_EVENT] if behaviour else []
     if not blows or blows[0] is None:
-        return WHOLE_CLIP
+        return ACTIVE_WHOLE_CLIP
     blow = blows[0]
     capture = project.captures[project.motions[blow.motion_id].capture_id]
     rate, hit_frame = capture.frame_rate, farthest_reach_frame(capture, blow.first, blow.last)

@@ -10,7 +10,7 @@ from studio.app.workbench import Workbench
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.errors import StudioError
 from studio.document.priorities import shift_priorities
-from studio.io.meshes.mesh_file import SUFFIXES, MeshFile, read_mesh
+from studio.io.meshes.mesh_file import MESH_SUFFIXES, MeshFile, read_mesh
 from studio.panels.message_strip import Lifetime
 
 NO_JOINT_MESSAGE = "Click a joint in the 3D view first, or press Shift+J to choose one: the constraint will hold it."
@@ -52,7 +52,7 @@ def pick_skin(bench: Workbench) -> None:
 
 def load_area_mesh(bench: Workbench) -> None:
     """Ask for a mesh file as the shape of the selected volume constraint."""
-    kinds = f"Meshes ({' '.join(f'*{suffix}' for suffix in SUFFIXES)})"
+    kinds = f"Meshes ({' '.join(f'*{suffix}' for suffix in MESH_SUFFIXES)})"
     ask_file(bench, "Load mesh for volume", kinds, lambda path: put_area_mesh(bench, path))
 
 

@@ -13,7 +13,7 @@ from studio.core.names import free_name
 from studio.core.stage.behaviour import Transition
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import GROUND_ID
-from studio.core.stage.staging import lined_up, path_heading
+from studio.core.stage.staging import path_heading, performers_in_row
 from studio.document.behaviour_commands import duplicate_states, remove_parts
 from studio.document.clip_edits import name_of, remove_clips
 from studio.document.clipboard import paste_json, selection_as_json
@@ -161,7 +161,7 @@ def line_up(bench: Workbench) -> None:
     followed = next((swept[key][:, 0] for key in (active, *performers) if key in performers and key in swept), None)
     travel = None if followed is None else path_heading(followed)
     with document.group("Arrange characters side by side"):
-        for key, performer in lined_up(performers, travel or 0.0, swept).items():
+        for key, performer in performers_in_row(performers, travel or 0.0, swept).items():
             document.replace("performers", key, performer, "Arrange side by side")
 
 

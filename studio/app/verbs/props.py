@@ -14,7 +14,7 @@ from studio.core.curves.keyed import KeyedPlace
 from studio.core.errors import StudioError
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.names import free_name, readable_name
-from studio.core.stage.holding import HAND_REACH_SECONDS, THIN, reaching_time
+from studio.core.stage.holding import HAND_REACH_SECONDS, THIN_PROP_BREADTH, reaching_time
 from studio.core.stage.project import Performer, Project
 from studio.core.stage.prop import Carried, InHand, Prop, PropShape
 from studio.document.document import Document
@@ -29,7 +29,7 @@ from studio.engine.prop_places import (
     takes_lower,
     wrists_from,
 )
-from studio.io.meshes.mesh_file import SUFFIXES, MeshFile, read_mesh
+from studio.io.meshes.mesh_file import MESH_SUFFIXES, MeshFile, read_mesh
 from studio.panels.message_strip import Lifetime
 
 NEW_PROP_DISTANCE_METRES = 0.6
@@ -142,12 +142,12 @@ def _as_broad(prop: Prop, holder: PosedPerformer) -> Prop:
     layout = holder.motion.morphology.layout
     gap = float(np.linalg.norm(holder.points[layout.wrist_point(0)] - holder.points[layout.wrist_point(1)]))
     length, _, height = prop.size
-    return replace(prop, size=(length, round(max(gap - 2 * HAND_THICKNESS_METRES, THIN), 2), height))
+    return replace(prop, size=(length, round(max(gap - 2 * HAND_THICKNESS_METRES, THIN_PROP_BREADTH), 2), height))
 
 
 def ask_mesh(bench: Workbench) -> None:
     """Ask for a mesh file for a new prop."""
-    kinds = f"Meshes ({' '.join(f'*{suffix}' for suffix in SUFFIXES)})"
+    kinds = f"Meshes ({' '.join(f'*{suffix}' for suffix in MESH_SUFFIXES)})"
     ask_file(bench, "Load mesh for a prop", kinds, lambda path: add_mesh(bench, path))
 
 

@@ -13,8 +13,10 @@ from studio.core.body.skeleton import Skeleton
 FloatArray = NDArray[np.float64]
 Candidates = Mapping[BodyPart, Sequence[int]]
 
-MOST_VARIATION, LOOSE_VARIATION = 0.03, 0.2
-"""Standard deviation of a bone's length over its mean from which it is no bone; that of suits whose joints drift."""
+MOST_BONE_VARIATION, MOST_LOOSE_BONE_VARIATION = 0.03, 0.2
+"""Greatest standard deviation of the length of a bone relative to its mean, and the same for suits whose
+joints drift.
+"""
 _MOST_ASYMMETRY = 0.25
 """Logarithm of the ratio of left to right from which two bones are no pair."""
 _SHORTEST_BONE = 0.25
@@ -25,15 +27,17 @@ _SHORTEST_CLAVICLE = 0.02
 
 @dataclass(frozen=True)
 class _Limb:
+    """Candidate for a limb: its joints, bone lengths and cost."""
+
     joints: tuple[int, ...]
     lengths: FloatArray
-    """(2,) of the two bones."""
+    """Lengths (2,) of its two bones."""
     cost: float
 
 
 @dataclass(frozen=True)
 class BodyMatch:
-    """Body that was found, or the reason why none was."""
+    """Result of the search for a body: its map, or the parts that were not found."""
 
     body_map: BodyMap | None
     missing: tuple[str, ...]
@@ -43,15 +47,15 @@ class BodyMatch:
 
 
 class BodySearch:
-    """Search for a body in a skeleton, with some of its world positions (F, J, 3) in any unit."""
+    """Search for a body in a skeleton, by some world positions (F, J, 3) of its joints in any unit."""
 
-    def __init__(self, skeleton: Skeleton, positions: FloatArray, most_variation: float = MOST_VARIATION) -> None:
+    def __init__(self, skeleton: Skeleton, positions: FloatArray, most_variation: float = MOST_BONE_VARIATION) -> None:
         self.skeleton = skeleton
         self.positions = positions
         self.most_variation = most_variation
 
     def best_match(self, candidates: Candidates) -> BodyMatch:
-        """Best body whose joints are among ``candidates``; each list begins with the likeliest joint."""
+        """Best body whose joints are among ``candidates``, which list joints for each part, the likeliest first."""
         arms = self._pair(candidates, "left arm", "right arm")
         legs = self._pair(candidates, "left leg", "right leg")
         missing = [limb for limb in LIMB_PARTS if not (arms if "arm" in limb else legs)]
@@ -110,7 +114,7 @@ class BodySearch:
         return mean, float(lengths.std() / mean) if mean > 0.0 else np.inf
 
     def _trunk(self, candidates: Candidates, parts: dict[BodyPart, int]) -> tuple[int, ...]:
-        """The spine; adds pelvis, neck, head and clavicles to ``parts``."""
+        """Joints of the spine; pelvis, neck, head and clavicles are added to ``parts``."""
         arms = parts[BodyPart.LEFT_UPPER_ARM], parts[BodyPart.RIGHT_UPPER_ARM]
         chest = self.skeleton.common_ancestor(*arms)
         heads = self._heads(candidates, arms, chest)
@@ -133,8 +137,10 @@ class BodySearch:
         return self.skeleton.path(parts[BodyPart.PELVIS], chest)
 
     def _heads(self, candidates: Candidates, arms: tuple[int, int], chest: int) -> list[int]:
-        """The deepest joint called head that is no part of an arm, and not the tip of another unless that is the neck:
-        it hangs from the chest, and no joint is called neck.
+        """Deepest joint called head that hangs from the chest and is no part of an arm, in a list; empty if there is
+        none.
+
+        The tip of another such joint is passed over, unless no joint is called neck and the other one is the neck.
         """
         below_arms = {*arms, *self.skeleton.descendants(arms[0]), *self.skeleton.descendants(arms[1])}
         heads = [joint for joint in candidates.get(BodyPart.HEAD, ()) if joint not in below_arms]
@@ -154,7 +160,9 @@ class BodySearch:
                     break
 
     def _is_toe(self, foot: int, toe: int) -> bool:
-        """True if a joint is a bone away from the ankle and is not a heel joint that carries the whole foot."""
+        """True if ``toe`` lies a bone length away from the ankle ``foot`` and is no heel joint that carries the whole
+        foot.
+        """
         length, variation = self._bone(foot, toe)
         ends = [self._bone(toe, end)[0] for end in self.skeleton.descendants(toe)]
         return variation < self.most_variation and length > 0.5 * max(ends, default=0.0)

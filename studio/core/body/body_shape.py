@@ -32,9 +32,8 @@ _Pair = tuple[list[int], list[int]]
 def body_by_shape(skeleton: Skeleton, points: FloatArray, sides: IntArray | None = None) -> BodyMap | None:
     """Body of a standing figure whose joints are at ``points`` (J, 3), Z up; None if the shape is not human.
 
-    Legs reach lowest, arms widest, the head highest. ``sides`` (J,) are the sides that names give: 1 left, -1 right, 0
-    unknown. Where names give none, the toes show the front (+X without toes), and hips and shoulders are left or right
-    of it.
+    Legs reach lowest, arms widest, the head highest. ``sides`` (J,) are the sides known from names: 1 left, -1 right, 0
+    unknown. Without names, the toes show the front (+X without toes), and hips and shoulders are left or right of it.
     """
     pairs = _mirrored_chains(skeleton, points)
     if len(pairs) < 2:
@@ -62,9 +61,10 @@ def body_by_shape(skeleton: Skeleton, points: FloatArray, sides: IntArray | None
 
 
 def moving_body_by_shape(skeleton: Skeleton, rest: FloatArray, points: FloatArray, sides: IntArray) -> BodyMap | None:
-    """Body by the shape of its rest pose (J, 3), Z up, and by its motion ``points`` (F, J, 3) in any axes; None if it
-    is not human or a limb ends before its hand or foot. The motion shows the joints that only divide a bone and,
-    where names give no side, the left knee.
+    """Body by the shape of its rest pose ``rest`` (J, 3), Z up, and by its motion ``points`` (F, J, 3) in any axes.
+
+    The motion shows which joints only divide a bone and, where names give no side, which knee is left. None if the
+    shape is not human or a limb ends before its hand or foot.
     """
     kept = np.flatnonzero(~_dividing(skeleton, points))
     place = {int(joint): new for new, joint in enumerate(kept)}
@@ -89,7 +89,7 @@ def moving_body_by_shape(skeleton: Skeleton, rest: FloatArray, points: FloatArra
 
 
 def has_human_limbs(skeleton: Skeleton, body: BodyMap) -> bool:
-    """True if the bones of arms and legs of ``body`` have lengths like a person's beside one another."""
+    """True if the bones of arms and legs of ``body`` have human ratios of their lengths."""
 
     def length(part: str, end: str) -> float:
         """Length of the bones of both sides from one part to another."""
@@ -110,7 +110,9 @@ def has_human_limbs(skeleton: Skeleton, body: BodyMap) -> bool:
 
 
 def _turning_end(skeleton: Skeleton, points: FloatArray, joint: int) -> int:
-    """Last joint of the line from ``joint`` on that turns against the one before: the head of a neck of several."""
+    """Last joint, from ``joint`` outwards, that rotates relative to its parent: the head, above a neck of several
+    joints.
+    """
     while len(skeleton.children[joint]) == 1 and len(skeleton.children[below := skeleton.children[joint][0]]) == 1:
         end = skeleton.children[below][0]
         near, far = normalized(points[:, below] - points[:, joint]), normalized(points[:, end] - points[:, below])
@@ -121,7 +123,9 @@ def _turning_end(skeleton: Skeleton, points: FloatArray, joint: int) -> int:
 
 
 def _dividing(skeleton: Skeleton, points: FloatArray) -> NDArray[np.bool_]:
-    """(J,) true for joints that divide the bone of a limb: they stay straight while other joints of the limb bend."""
+    """Mask (J,) of joints that only divide the bone of a limb: they stay straight while other joints of the
+    limb bend.
+    """
     dividing = np.zeros(skeleton.joint_count, dtype=bool)
     for leaf in range(skeleton.joint_count):
         chain = [leaf]
@@ -142,7 +146,7 @@ def _dividing(skeleton: Skeleton, points: FloatArray) -> NDArray[np.bool_]:
 
 
 def _divides_the_last_bone(points: FloatArray, bent: list[int], chain: list[int]) -> bool:
-    """True if the last two bones of a limb together are nearer to the length of the bone before than the first of them.
+    """True if the last two bones of a limb together match the length of the bone before better than the first of them.
 
     A hand that stays in line with its forearm does not divide it. ``bent`` are the joints of ``chain`` before it.
     """
@@ -202,7 +206,7 @@ def knees_bend_backwards(body_map: BodyMap, points: FloatArray) -> bool:
 
 
 def _sorted_by_side(points: FloatArray, pair: _Pair, forward: FloatArray, sides: IntArray) -> _Pair:
-    """The pair of limbs, the left one first."""
+    """Pair of limbs with the left one first."""
     left = np.array([-forward[1], forward[0], 0.0])
     one, other = pair
     named = int(sides[one].sum() - sides[other].sum())
@@ -222,7 +226,9 @@ def _two_bones(points: FloatArray, chain: list[int]) -> FloatArray:
 
 
 def _shoulder(points: FloatArray, arms: _Pair, hips: float) -> int:
-    """Index in two arms at which the longest bones begin; of equally long ones the first as far apart as the hips."""
+    """Index in both arms at which their longest bones begin; of equally long ones the first as far apart as
+    the hips.
+    """
     both = _two_bones(points, arms[0])
     apart = np.linalg.norm(points[arms[0]] - points[arms[1]], axis=1)[: len(both)]
     fitting = np.flatnonzero((both >= _AS_LONG * both.max()) & (apart >= hips))
@@ -230,7 +236,7 @@ def _shoulder(points: FloatArray, arms: _Pair, hips: float) -> int:
 
 
 def _with_longest_feet(points: FloatArray, legs: _Pair, pairs: list[_Pair]) -> _Pair:
-    """The pair with the bones of two ``legs`` and the longest feet, of ``pairs``: toes and not heels."""
+    """Pair with the bones of ``legs`` and the longest feet among ``pairs``: those with toes and not heels."""
     ankle = _longest(points, legs[0]) + 2
     same = [pair for pair in pairs if all(a[: ankle + 1] == b[: ankle + 1] for a, b in zip(pair, legs, strict=True))]
     return max(same, key=lambda pair: float(np.linalg.norm(points[pair[0][-1]] - points[pair[0][ankle]])))

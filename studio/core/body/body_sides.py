@@ -1,4 +1,4 @@
-"""Limbs whose names contradict the side shown by their position and motion."""
+"""Detection of limbs whose names contradict the side shown by their position and motion."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from studio.core.rotations import normalized
 FloatArray = NDArray[np.float64]
 
 LIMB_PARTS = {"legs": ("THIGH", "SHANK", "FOOT", "TOE"), "arms": ("CLAVICLE", "UPPER_ARM", "FOREARM", "HAND")}
+"""Parts of the limbs whose sides may be exchanged, without their side."""
 _OPPOSITE, _MOSTLY = -0.5, 0.9
 """Cosine between hips and shoulders, from right to left, to which no trunk twists, and the part of the frames."""
 _BACKWARDS = -0.3
@@ -17,7 +18,7 @@ _BACKWARDS = -0.3
 
 
 def exchanged_limbs(body_map: BodyMap, points: FloatArray) -> tuple[str, ...]:
-    """Those of ``legs`` and ``arms`` whose left and right are exchanged; ``points`` (F, J, 3) in any axes.
+    """Names (``legs``, ``arms``) of the limbs whose left and right are exchanged; ``points`` (F, J, 3) in any axes.
 
     Legs are exchanged if knees bend backwards and feet point backwards; arms if the line of the shoulders opposes that
     of the hips.

@@ -19,7 +19,7 @@ from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE, SEGMENTS_BESID
 
 
 class BodyPart(StrEnum):
-    """Body segment, named independently of the number of vertebrae."""
+    """Body segment, named independently of the number of vertebrae; all inner vertebrae are the abdomen."""
 
     PELVIS = "pelvis"
     ABDOMEN = "abdomen"
@@ -45,7 +45,9 @@ class BodyPart(StrEnum):
 
     @property
     def label(self) -> str:
-        """Name for the user: ``Left upper arm``, ``Left lower leg`` of a shank, ``Chest`` of the thorax."""
+        """Label for the user, such as ``Left upper arm``; ``Left lower leg`` for a shank and ``Chest`` for
+        the thorax.
+        """
         words = self.value.replace("_", " ").replace("shank", "lower leg").replace("thorax", "chest")
         return words.capitalize()
 
@@ -65,43 +67,51 @@ class BodyLayout:
 
     @property
     def point_count(self) -> int:
+        """Number of points, K + 23."""
         return self.spine_count + POINTS_BESIDE_SPINE
 
     @property
     def segment_count(self) -> int:
+        """Number of segments, K + 18."""
         return self.spine_count + SEGMENTS_BESIDE_SPINE
 
     @property
     def neck_base(self) -> int:
+        """Index of the point at the base of the neck."""
         return self.spine_count
 
     @property
     def head_joint(self) -> int:
+        """Index of the point at the joint of the head."""
         return self.spine_count + 1
 
     @property
     def head_end(self) -> int:
+        """Index of the point at the top of the head."""
         return self.spine_count + 2
 
     def collar_point(self, side: int) -> int:
-        """Index of the inner end of the clavicle; shoulder, elbow, wrist and hand end follow it."""
+        """Index of the point at the inner end of the clavicle; shoulder, elbow, wrist and hand end follow it."""
         return self.spine_count + 3 + 5 * side
 
     def hip_point(self, side: int) -> int:
-        """Index of the hip's point on one side (0 left, 1 right); knee, ankle, toe and toe end follow it."""
+        """Index of the hip's point on ``side`` (0 left, 1 right); knee, ankle, toe and toe end follow it."""
         return self.spine_count + 13 + 5 * side
 
     def ankle_point(self, side: int) -> int:
+        """Index of the ankle's point on ``side`` (0 left, 1 right)."""
         return self.hip_point(side) + 2
 
     def toe_point(self, side: int) -> int:
+        """Index of the toe joint's point on ``side`` (0 left, 1 right)."""
         return self.hip_point(side) + 3
 
     def wrist_point(self, side: int) -> int:
+        """Index of the wrist's point on ``side`` (0 left, 1 right)."""
         return self.collar_point(side) + 3
 
     def clavicle_segment(self, side: int) -> int:
-        """Index of the clavicle's segment; upper arm, forearm and hand follow it."""
+        """Index of the clavicle on ``side``; upper arm, forearm and hand follow it."""
         return self.spine_count + 2 + 4 * side
 
     def upper_arm_segment(self, side: int) -> int:
@@ -111,7 +121,7 @@ class BodyLayout:
         return self.clavicle_segment(side) + 3
 
     def thigh_segment(self, side: int) -> int:
-        """Index of the thigh's segment; shank, foot and toes follow it."""
+        """Index of the thigh on ``side``; shank, foot and toes follow it."""
         return self.spine_count + 10 + 4 * side
 
     def foot_segment(self, side: int) -> int:
@@ -121,7 +131,7 @@ class BodyLayout:
         return self.thigh_segment(side) + 3
 
     def segment_of_part(self, part: BodyPart) -> int:
-        """Index of the segment of a ``part``."""
+        """Index of the segment of ``part``."""
         match part:
             case BodyPart.PELVIS:
                 return 0
@@ -140,15 +150,15 @@ class BodyLayout:
         return BodyPart.THORAX if segment == self.spine_count - 1 else BodyPart.ABDOMEN
 
     def proximal_points(self) -> tuple[int, ...]:
-        """Index of each segment's proximal point, about which it rotates."""
+        """Index of the proximal point of each segment, about which it rotates."""
         return _proximal_points(self)
 
     def distal_points(self) -> tuple[int, ...]:
-        """Index of each segment's distal point."""
+        """Index of the distal point of each segment."""
         return tuple(point + 1 for point in self.proximal_points())
 
     def parent_segments(self) -> tuple[int, ...]:
-        """Index of each segment's parent; -1 for the pelvis."""
+        """Index of the parent of each segment; -1 for the pelvis."""
         spine, thorax = self.spine_count, self.spine_count - 1
         parents = [*range(-1, thorax), thorax, spine]
         for first, carrier in ((2, thorax), (6, thorax), (10, 0), (14, 0)):
@@ -156,7 +166,7 @@ class BodyLayout:
         return tuple(parents)
 
     def point_names(self) -> tuple[str, ...]:
-        """A readable name for each point."""
+        """Readable name of each point."""
         arm, leg = (
             ("collar", "shoulder", "elbow", "wrist", "hand end"),
             ("hip", "knee", "ankle", "toe", "toe end"),

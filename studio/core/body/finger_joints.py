@@ -21,17 +21,17 @@ class Digit(StrEnum):
 
 
 class FingerJoint(NamedTuple):
-    """Finger joint, named independently of any skeleton."""
+    """Joint of a finger, identified independently of any skeleton."""
 
     side: int
     """0 is left, 1 is right."""
     digit: Digit
     place: int
-    """0 is the joint next to the palm; 2 is the last that bends."""
+    """Rank of the joint in its finger: 0 is next to the palm, 2 is the last that bends."""
 
     @property
     def cell(self) -> tuple[int, int, int]:
-        """Index in arrays with an element for each finger joint."""
+        """Index in arrays with the axes side, digit and joint."""
         return self.side, tuple(Digit).index(self.digit), self.place
 
 
@@ -46,11 +46,11 @@ _WORDS = {
 _NUMBERED = re.compile(r"(?:finger|digit|phalangeal|carpometacarpal)[ _-]?(\d)")
 """Fingers by number: Biped counts from 0, MakeHuman, Rokoko and H-Anim from 1."""
 _IN_PALM = re.compile(r"^(?!.*phalangeal).*(carpal|in_?hand)")
-"""Bones in the palm, which only the thumb bends at."""
+"""Names of metacarpal joints, at which only the thumb bends."""
 
 
 def find_fingers(skeleton: Skeleton, body: BodyMap) -> dict[FingerJoint, int]:
-    """Joint of ``skeleton`` for each finger joint; metacarpal bones and finger tips are left out."""
+    """Joint of ``skeleton`` for each finger joint that is found; metacarpal bones and finger tips are left out."""
     found: dict[FingerJoint, int] = {}
     for side, part in enumerate((BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)):
         for digit, chain in _chains(skeleton, body[part]).items():
@@ -60,7 +60,7 @@ def find_fingers(skeleton: Skeleton, body: BodyMap) -> dict[FingerJoint, int]:
 
 
 def _chains(skeleton: Skeleton, hand: int) -> Mapping[Digit, list[int]]:
-    """Joints of each finger from the palm outwards, ``JOINTS_PER_FINGER`` at most."""
+    """Joints of each finger from the palm outwards, at most ``JOINTS_PER_FINGER``."""
     below: list[int] = [hand]
     for joint, parent in enumerate(skeleton.parents.tolist()):
         if parent in below and not skeleton.end_sites[joint]:
@@ -84,8 +84,9 @@ def _chains(skeleton: Skeleton, hand: int) -> Mapping[Digit, list[int]]:
 
 
 def _without_palm(skeleton: Skeleton, chain: list[int]) -> list[int]:
-    """The chain without its metacarpal bone: it has one if there are more joints than a finger has, and only the first
-    bears no number.
+    """Chain of a finger without its metacarpal bone.
+
+    It has one if it has more joints than a finger has, and only the first bears no number.
     """
     unnumbered = [not re.search(r"\d", skeleton.names[joint]) for joint in chain]
     return chain[1:] if len(chain) > JOINTS_PER_FINGER and unnumbered[0] and not any(unnumbered[1:]) else chain

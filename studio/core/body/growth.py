@@ -18,14 +18,14 @@ _FACTORS = tuple(field.name for field in fields(Proportions))
 
 @dataclass(frozen=True)
 class KeyedProportions(Line):
-    """Proportions keyed at ``times`` in seconds of the stage, smooth between the keys and constant outside."""
+    """Proportions keyed at ``times`` in stage seconds, smooth between the keys and constant outside."""
 
     size: ClassVar[int] = len(_FACTORS)
     times: tuple[float, ...]
     values: tuple[Proportions, ...]
 
     def at(self, times: ArrayLike) -> FloatArray:
-        """Factors, (N, 11), at ``times`` (N,) seconds, clamped to the range of the keys."""
+        """Factors (N, 11) at ``times`` (N,) seconds, clamped to the range of the keys."""
         factors = self.points
         return np.asarray(np.clip(super().at(times), factors.min(axis=0), factors.max(axis=0)))
 
@@ -35,7 +35,7 @@ class KeyedProportions(Line):
 
     @cached_property
     def points(self) -> FloatArray:
-        """(K, 11) factors of each key."""
+        """Factors (K, 11) of the keys."""
         return read_only(np.array([astuple(value) for value in self.values]))
 
     def _checked(self, value: Any) -> Proportions:
@@ -46,8 +46,9 @@ class KeyedProportions(Line):
 def animated_morphology(
     build: Morphology, keyed: KeyedProportions, begin: float, frame_rate: float, count: int
 ) -> AnimatedMorphology:
-    """``build`` animated over ``count`` frames from ``begin`` seconds on; cached, so that equal arguments give the same
-    object.
+    """Measures of ``build`` over ``count`` frames from stage second ``begin`` on, with keyed proportions.
+
+    The result is cached: equal arguments give the same object.
     """
     factors = keyed.at(begin + np.arange(count) / frame_rate)
     return AnimatedMorphology(build.packed * np.exp(np.log(factors) @ _exponents(build)))
@@ -55,6 +56,6 @@ def animated_morphology(
 
 @lru_cache(maxsize=64)
 def _exponents(build: Morphology) -> FloatArray:
-    """(11, 57 + 3 K) exponent of each factor in each measure; every measure is a product of powers of factors."""
+    """Exponents (11, 57 + 3 K) of each factor in each measure; every measure is a product of powers of factors."""
     doubled = np.array([Proportions(**{name: 2.0}).applied_to(build).packed for name in _FACTORS])
     return np.log2(np.where(build.packed == 0.0, 1.0, doubled / np.where(build.packed == 0.0, 1.0, build.packed)))

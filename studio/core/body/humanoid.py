@@ -1,4 +1,4 @@
-"""BodyMap: the joints of a skeleton that move the parts of a human body."""
+"""Body map: the joints of a skeleton that move the parts of a human body."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -16,12 +16,12 @@ LIMB_PARTS: dict[str, tuple[BodyPart, BodyPart, BodyPart]] = {
     "left leg": (BodyPart.LEFT_THIGH, BodyPart.LEFT_SHANK, BodyPart.LEFT_FOOT),
     "right leg": (BodyPart.RIGHT_THIGH, BodyPart.RIGHT_SHANK, BodyPart.RIGHT_FOOT),
 }
-"""The parts of each limb from the trunk outwards; a body without one of them is no humanoid."""
+"""Parts of each limb from the trunk outwards; a body without one of them is no humanoid."""
 
 
 @dataclass(frozen=True)
 class BodyMap:
-    """Joint at the proximal end of each body part, and the joints of the spine.
+    """Map from body parts to joints: the joint at the proximal end of each part, and the joints of the spine.
 
     Neck, head, clavicles and toes may be absent. Raises StudioError if another part is absent or the spine is too
     short.
@@ -29,7 +29,7 @@ class BodyMap:
 
     parts: Mapping[BodyPart, int]
     spine: tuple[int, ...]
-    """All joints on the way from the pelvis up to the joint from which neck and arms hang; two at least."""
+    """All joints from the pelvis up to the joint from which neck and arms hang; at least two."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parts", MappingProxyType(dict(self.parts)))
@@ -46,11 +46,11 @@ class BodyMap:
         return self.parts[part]
 
     def get(self, part: BodyPart) -> int | None:
-        """The joint of ``part``, or None where the body has none."""
+        """Joint of ``part``; None if the body has none."""
         return self.parts.get(part)
 
     def with_sides_exchanged(self, names: Collection[str] | None = None) -> "BodyMap":
-        """Map with left and right exchanged, for all parts or for ``names`` (``THIGH``)."""
+        """Copy with left and right exchanged, for all parts or for those in ``names``, such as ``THIGH``."""
         other = {"LEFT": "RIGHT", "RIGHT": "LEFT"}
         sides = ((part, joint, *part.name.partition("_")) for part, joint in self.parts.items())
         return BodyMap(
@@ -62,7 +62,7 @@ class BodyMap:
         )
 
     def with_descendants(self, skeleton: Skeleton) -> list[int]:
-        """Joints of the body and all below them, without those above it: a file's root may be far away."""
+        """Joints of the body and all their descendants, without their ancestors: the root of a file may be far away."""
         mapped = {*self.spine, *self.parts.values()}
         return sorted(mapped.union(*(skeleton.descendants(joint) for joint in mapped)))
 
@@ -91,7 +91,7 @@ def is_spine(key: str) -> bool:
 
 
 def part_named(key: str) -> BodyPart:
-    """Part named ``key``; raises StudioError with the names that exist."""
+    """Body part with the key ``key``. Raises StudioError, which lists the existing keys."""
     try:
         return BodyPart(key)
     except ValueError:

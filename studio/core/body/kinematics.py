@@ -20,8 +20,9 @@ def joint_world(skeleton: Skeleton, poses: PoseSequence) -> tuple[FloatArray, Fl
 
 
 def joint_world_in(skeleton: Skeleton, poses: PoseSequence, run: slice) -> tuple[FloatArray, FloatArray]:
-    """``joint_world`` of a range of frames (N, J, 3), (N, J, 3, 3); the rotations of a long capture
-    need much memory.
+    """World positions (N, J, 3) in metres and rotations (N, J, 3, 3) of every joint in the frames of ``run``.
+
+    It saves memory, since the rotations of all frames of a long capture need much.
     """
     shape = poses.local_translations[run].shape
     positions, rotations = np.empty(shape), np.empty((*shape, 3))
@@ -30,7 +31,7 @@ def joint_world_in(skeleton: Skeleton, poses: PoseSequence, run: slice) -> tuple
 
 
 def joint_positions(skeleton: Skeleton, poses: PoseSequence) -> FloatArray:
-    """World positions (F, J, 3) of ``joint_world`` alone."""
+    """World positions (F, J, 3) in metres of every joint in every frame."""
     positions = np.empty((poses.frame_count, poses.joint_count, 3))
 
     def carry(run: slice) -> None:
@@ -52,5 +53,5 @@ def _carry(
 
 
 def rest_poses(skeleton: Skeleton, local_rotations: FloatArray) -> PoseSequence:
-    """One frame with the given local rotations (J, 4) and every joint at its offset."""
+    """Pose of one frame with the local rotations (J, 4) and every joint at its offset."""
     return PoseSequence(np.asarray(local_rotations)[None], skeleton.offsets[None])

@@ -1,4 +1,4 @@
-"""Morphology: the measures of one body, which a character adds to a morphology-independent motion."""
+"""Morphology: the measures of one body, which turn a morphology-independent motion into poses."""
 
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, lru_cache
@@ -37,40 +37,40 @@ _DIRECTIONS = ("neck_rest", "clavicle_rest")
 
 @dataclass(frozen=True)
 class Morphology:
-    """Measures of a body in metres; vectors are in the axes of their own segment (``canonical``).
+    """Measures of a body in metres; vectors are in the axes of their own segment (see ``canonical``).
 
-    Raises ValueError with the field's name if a shape is wrong, a number is not finite or a bone has no length.
+    Raises ValueError, which names the field, if a shape is wrong, a number is not finite or a bone has no length.
     """
 
     spine: FloatArray
-    """(K, 3) from each spine joint to the next; the last ends at the neck base."""
+    """Vectors (K, 3) from each spine joint to the next; the last ends at the neck base."""
     neck: float
     head: float
     collar_base: FloatArray
-    """(2, 3) from the neck base to where each clavicle begins, thorax axes."""
+    """Vectors (2, 3) from the neck base to the begin of each clavicle, in thorax axes."""
     clavicle: FloatArray
     arm: FloatArray
-    """(2, 2) upper arm, forearm of each side."""
+    """Lengths (2, 2) of upper arm and forearm of each side."""
     hand: FloatArray
-    """(2, 3) wrist to end of hand, hand axes."""
+    """Vectors (2, 3) from wrist to end of hand, in hand axes."""
     hip_offset: FloatArray
-    """(2, 3) root to hip joint, pelvis axes."""
+    """Vectors (2, 3) from root to hip joint, in pelvis axes."""
     leg: FloatArray
-    """(2, 2) thigh, shank of each side."""
+    """Lengths (2, 2) of thigh and shank of each side."""
     foot: FloatArray
-    """(2, 3) ankle to toe joint, foot axes (sole flat at identity)."""
+    """Vectors (2, 3) from ankle to toe joint, in foot axes (identity when the sole is flat)."""
     toe: FloatArray
-    """(2, 3) toe joint to end of toe, toe axes."""
+    """Vectors (2, 3) from toe joint to end of toe, in toe axes."""
     ankle_height: FloatArray
-    """(2,) ankle joint above the sole of the flat foot."""
+    """Heights (2,) of the ankle joints above the soles of flat feet."""
     toe_height: FloatArray
-    """(2,) toe joint above the sole of the flat foot."""
+    """Heights (2,) of the toe joints above the soles of flat feet."""
     heel_length: FloatArray
-    """(2,) from below the ankle back to the heel."""
+    """Horizontal distances (2,) from the ankle back to the heel."""
     neck_rest: FloatArray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
-    """(3,) direction of the neck in the body at ease, thorax axes."""
+    """Direction (3,) of the neck of the body at ease, in thorax axes."""
     clavicle_rest: FloatArray = field(default_factory=lambda: np.array([[-0.2, 1.0, 0.05], [-0.2, -1.0, 0.05]]))
-    """(2, 3) direction of each clavicle in the body at ease, thorax axes."""
+    """Directions (2, 3) of the clavicles of the body at ease, in thorax axes."""
 
     def __post_init__(self) -> None:
         spine = np.array(self.spine, dtype=np.float64)
@@ -98,20 +98,22 @@ class Morphology:
 
     @cached_property
     def layout(self) -> BodyLayout:
+        """Indices of the body's points and segments."""
         return BodyLayout(len(self.spine))
 
     @property
     def leg_length(self) -> float:
-        """Mean of both legs, hip to ankle."""
+        """Mean length of both legs from hip to ankle."""
         return float(self.leg.sum() / 2)
 
     @property
     def spine_length(self) -> float:
+        """Sum of the lengths of the spine's segments."""
         return float(np.linalg.norm(self.spine, axis=1).sum())
 
     @cached_property
     def stature(self) -> float:
-        """Standing height, sole to crown."""
+        """Standing height from sole to crown."""
         hips = self.leg_length + float(self.ankle_height.mean()) - float(self.hip_offset[:, 2].mean())
         return hips + float(self.spine[:, 2].sum()) + self.neck + self.head
 
@@ -124,12 +126,12 @@ class Morphology:
 
     @property
     def first_frame_body(self) -> Self:
-        """The morphology itself, so that it can stand for an animated one."""
+        """The morphology itself, as the counterpart of ``AnimatedMorphology.first_frame_body``."""
         return self
 
     @cached_property
     def rows(self) -> FloatArray:
-        """(1, 57 + 3 K) ``packed`` as an animation of one constant row."""
+        """Measures (1, 57 + 3 K) as an animation of one constant row."""
         return self.packed[None]
 
     def to_json(self) -> dict[str, Any]:
@@ -157,9 +159,9 @@ class Morphology:
 
 @dataclass(frozen=True, eq=False)
 class AnimatedMorphology:
-    """Body whose measures change from frame to frame: ``rows`` (F, 57 + 3 K), each the ``packed`` of a morphology.
+    """Body whose measures change from frame to frame: ``rows`` (F, 57 + 3 K) are ``packed`` measures of a morphology.
 
-    Made by ``from_bodies``. Raises ValueError if a bone has no length in some frame or a number is not finite.
+    Make one by ``from_bodies``. Raises ValueError if a bone has no length in some frame or a number is not finite.
     """
 
     rows: FloatArray
@@ -184,8 +186,8 @@ class AnimatedMorphology:
 
     @classmethod
     def from_bodies(cls, first: Morphology, second: Morphology, shares: FloatArray) -> Self:
-        """Interpolation of two bodies of one layout: ``first`` where the fraction (F,) is 0,
-        ``second`` where it is 1.
+        """Interpolation of two bodies with one layout: ``first`` where ``shares`` (F,) is 0, ``second``
+        where it is 1.
         """
         if first.layout != second.layout:
             raise ValueError("A body can only grow into one with as many spine segments.")
@@ -197,11 +199,11 @@ class AnimatedMorphology:
 
     @cached_property
     def first_frame_body(self) -> Morphology:
-        """Body of the first frame."""
+        """Morphology in the first frame."""
         return self.at(0)
 
     def at(self, frame: int) -> Morphology:
-        """Body of one frame."""
+        """Morphology in ``frame``."""
         row, measures, start = self.rows[frame], {}, 0
         for name, shape in (*_SHAPES.items(), ("spine", (self.layout.spine_count, 3))):
             size = int(np.prod(shape))
@@ -210,12 +212,14 @@ class AnimatedMorphology:
 
     @property
     def spine(self) -> FloatArray:
-        """(K, 3) spine of the first frame; its proportions distribute the motion's rotations over the vertebrae."""
+        """Vectors (K, 3) of the spine in the first frame; their proportions distribute the motion's rotations over the
+        vertebrae.
+        """
         return self.rows[0, at.MEASURE_SPINE :].reshape(-1, 3)
 
     @property
     def leg_length(self) -> float:
-        """Mean of both legs over all frames, hip to ankle."""
+        """Mean length of both legs from hip to ankle, over all frames."""
         return float(self.rows[:, at.MEASURE_LEG : at.MEASURE_FOOT].sum(axis=1).mean() / 2)
 
 
@@ -224,8 +228,10 @@ AnyMorphology = Morphology | AnimatedMorphology
 
 @lru_cache(maxsize=64)
 def sole_rows(body: AnyMorphology, side: int) -> FloatArray:
-    """(F or 1, 6) metres of one foot: ankle to toe joint in foot axes (3), height of the ankle over the sole, distance
-    of the heel behind the ankle, length of the toe along the ground.
+    """Measures (F or 1, 6) in metres of one foot, for a sole on the ground.
+
+    Columns: vector from ankle to toe joint in foot axes (3), height of the ankle above the sole, distance of the heel
+    behind the ankle, length of the toe along the ground.
     """
     rows, foot, toe = body.rows, at.MEASURE_FOOT + 3 * side, at.MEASURE_TOE + 3 * side
     heights = rows[:, [at.MEASURE_ANKLE_HEIGHT + side, at.MEASURE_HEEL_LENGTH + side]]
@@ -234,18 +240,18 @@ def sole_rows(body: AnyMorphology, side: int) -> FloatArray:
 
 
 def arm_rows(body: AnyMorphology, side: int) -> FloatArray:
-    """(F or 1, 2) metres of an upper arm and a forearm."""
+    """Lengths (F or 1, 2) in metres of upper arm and forearm."""
     return body.rows[:, at.MEASURE_ARM + 2 * side : at.MEASURE_ARM + 2 * side + 2]
 
 
 def leg_rows(body: AnyMorphology, side: int) -> FloatArray:
-    """(F or 1, 2) metres of a thigh and a shank."""
+    """Lengths (F or 1, 2) in metres of thigh and shank."""
     return body.rows[:, at.MEASURE_LEG + 2 * side : at.MEASURE_LEG + 2 * side + 2]
 
 
 def at_frames(rows: FloatArray, frames: Any) -> FloatArray:
-    """Rows of the given ``frames``, (len(frames) or 1, N), of ``rows`` (F or 1, N); a single row holds
-    for all frames.
+    """Rows (N or 1, M) of ``rows`` (F or 1, M) at the given ``frames`` (N,); a single row is constant over
+    all frames.
     """
     return rows if len(rows) == 1 else rows[frames]
 
@@ -255,7 +261,7 @@ LEAST_PROPORTION_FACTOR, MOST_PROPORTION_FACTOR = 0.2, 5.0
 
 @dataclass(frozen=True)
 class Proportions:
-    """Factors on a build's measures, set by the sliders of the inspector; all are 1 for the build itself."""
+    """Factors on the measures of a build; all are 1 for the build itself. The inspector sets them by sliders."""
 
     stature: float = 1.0
     trunk: float = 1.0

@@ -1,6 +1,7 @@
-"""Joints that move in their parents: in files with position channels on every joint, bones may be drawn where no
-rotation puts them. Sideways motion becomes a rotation of the parent, and motion along the bone becomes its length,
-so that no joint changes its position in any frame.
+"""Joints that move in their parents, in files with position channels on every joint.
+
+Such bones may be drawn where no rotation puts them. Their sideways motion becomes a rotation of the parent, and their
+motion along the bone becomes its length, so that no joint changes its position in any frame.
 """
 
 from dataclasses import replace
@@ -35,7 +36,9 @@ def with_measured_offsets(skeleton: Skeleton, poses: PoseSequence) -> Skeleton:
 
 
 def with_rigid_bones(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap) -> tuple[PoseSequence, float]:
-    """Poses with the same joint positions by rotations of limbs and neck, and the greatest of these rotations."""
+    """Poses with the same joint positions, reached by rotations of limbs and neck; and the greatest of these rotations
+    in radians.
+    """
     local, moves = poses.local_rotations, poses.local_translations
     greatest = 0.0
     for joint, end in _bones(skeleton, body_map):
@@ -58,7 +61,7 @@ def with_rigid_bones(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap)
 
 
 def _bones(skeleton: Skeleton, body_map: BodyMap) -> list[tuple[int, int]]:
-    """Joints of limbs and neck, each with the joint at the end of its bone, parents first."""
+    """Bones of limbs and neck as pairs of joints, parents first."""
     parts = [(BodyPart.NECK, BodyPart.HEAD)]
     for side in ("LEFT", "RIGHT"):
         for names in _BONES:

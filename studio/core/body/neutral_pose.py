@@ -1,7 +1,7 @@
-"""The neutral pose of a skeleton, found from all frames of a take if its zero pose is not human.
+"""Neutral pose of a skeleton, estimated from all frames of a take whose zero pose is not human.
 
 The mean pose, in which upright frames weigh most, is straightened: trunk and legs vertical, hips and shoulders square,
-wrists straight. The head is the exception, because a fighter looks over a shoulder through a whole take: it takes the
+wrists straight. The head is an exception, because a fighter looks over a shoulder through a whole take: it takes the
 axes of its joint that are nearest to the mean, since programs whose zero pose is not human align the axes with the
 bones.
 """
@@ -51,15 +51,19 @@ _SHORTEST_ACROSS = 0.01
 
 @dataclass(frozen=True)
 class NeutralPose:
-    """Local ``rotations`` (J, 4) of a body upright along Z that faces +X, and the uncertainty of its head."""
+    """Neutral pose: local ``rotations`` (J, 4) of a body upright along Z that faces +X, and the uncertainty of its
+    head.
+    """
 
     rotations: FloatArray
     head_doubt: float
-    """Degrees by which the head may be turned."""
+    """Angle in degrees by which the head may be wrongly turned."""
 
 
 def find_neutral_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap, weights: FloatArray) -> NeutralPose:
-    """Neutral pose of ``skeleton`` from all frames of ``poses``; ``weights`` (F,) say how upright each frame is."""
+    """Neutral pose of ``skeleton``, estimated from all frames of ``poses``; ``weights`` (F,) are greater for upright
+    frames.
+    """
     seen = slice(None, None, max(1, poses.frame_count // _FRAMES))
     sample = PoseSequence(poses.local_rotations[seen], poses.local_translations[seen])
     positions, turns = joint_world(skeleton, sample)
@@ -77,13 +81,15 @@ def find_neutral_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap
 
 
 class _Pose:
-    """Local ``rotations`` (J, 4) that are rotated, joint by joint, towards a standing human."""
+    """Pose with local ``rotations`` (J, 4) whose joints are rotated one by one towards a standing human."""
 
     def __init__(self, skeleton: Skeleton, body_map: BodyMap, rotations: FloatArray) -> None:
         self.skeleton, self.body_map, self.rotations = skeleton, body_map, rotations
 
     def place_root(self, turns: FloatArray, positions: FloatArray, shares: FloatArray) -> None:
-        """Rotate the root to its mean orientation (F, J, 3, 3) relative to a body that faces +X in every frame."""
+        """Rotate the root to its mean orientation relative to a body that faces +X in every frame; ``turns`` (F, J, 3,
+        3).
+        """
         left = normalized(self._pair(positions, "THIGH") * [1.0, 1.0, 0.0])
         left = np.where(np.linalg.norm(left, axis=1, keepdims=True) > 0.5, left, [0.0, 1.0, 0.0])  # hips in one place
         headings = np.stack([np.cross(left, _UP), left, np.broadcast_to(_UP, left.shape)], axis=1)
@@ -92,7 +98,7 @@ class _Pose:
         self._turn(pelvis, to_matrix(mean) @ self._world()[1][pelvis].T)
 
     def stand(self) -> None:
-        """Turn trunk and legs vertical, hips and shoulders square."""
+        """Rotate trunk and legs to the vertical, and hips and shoulders square to the front."""
         body_map, spine = self.body_map, self.body_map.spine
         points = self._world()[0]
         trunk = self._middle(points, "UPPER_ARM") - self._middle(points, "THIGH")
@@ -186,7 +192,7 @@ class _Pose:
                 self._turn(wrist, shortest_arc(normalized(reach[0]), normalized(along)))
 
     def face_forward(self, mean_axes: FloatArray) -> float:
-        """Align the head's own axes, given by ``mean_axes``, with the world's; return the uncertainty in degrees.
+        """Align the head's own axes, found from its ``mean_axes``, with the world's; return the uncertainty in degrees.
 
         The neck, which takes a part of each rotation of the head, is rotated about the vertical with it.
         """
@@ -223,7 +229,7 @@ class _Pose:
             self._turn(joint, shortest_arc(across, _LEFT))
 
     def _across(self, part: str) -> FloatArray | None:
-        """Horizontal direction from right to left of a pair; None where it has none."""
+        """Horizontal direction (3,) from the right to the left joint of ``part``; None if there is no such pair."""
         if BodyPart[f"LEFT_{part}"] not in self.body_map.parts or BodyPart[f"RIGHT_{part}"] not in self.body_map.parts:
             return None
         across = self._pair(self._world()[0], part) * [1.0, 1.0, 0.0]
@@ -242,7 +248,7 @@ class _Pose:
 def _standing_up(
     turns: FloatArray, positions: FloatArray, body_map: BodyMap, side: str, shares: FloatArray
 ) -> FloatArray:
-    """(3,) mean vertical in the axes of a foot's joint over the frames in which foot and toe are lowest."""
+    """Mean vertical (3,) in the axes of a foot's joint, over the frames in which foot and toe are lowest."""
     foot = body_map[BodyPart[f"{side}_FOOT"]]
     heights = positions[:, [foot, body_map.parts.get(BodyPart[f"{side}_TOE"], foot)], 2].sum(axis=1)
     lowest = heights <= np.percentile(heights, _LOWEST)
@@ -250,7 +256,7 @@ def _standing_up(
 
 
 def _about(axis: FloatArray, angle: float) -> FloatArray:
-    """(3, 3) turn about a unit axis (3,) by radians."""
+    """Rotation (3, 3) about a unit ``axis`` (3,) by ``angle`` radians."""
     return to_matrix(np.array([*(np.sin(0.5 * angle) * axis), np.cos(0.5 * angle)]))
 
 
@@ -271,11 +277,12 @@ def _head_axes(turns: FloatArray, positions: FloatArray, body_map: BodyMap, shar
 
 
 def _own_axes(mean: FloatArray, over_trunk: FloatArray, bone: FloatArray) -> tuple[FloatArray, float]:
-    """Most likely front, left and up (3, 3) of a head with the given ``mean`` axes, and the uncertainty in degrees.
+    """Most likely front, left and up axes (3, 3) of a head with the given ``mean`` axes, and the uncertainty in
+    degrees.
 
-    Of the signed axes of its joint those win that are near the mean and keep its ``bone`` (3,) upright in the median
-    plane. ``over_trunk`` (3,) is the up axis if the trunk were upright, because the head of a body that leans far may
-    be level or hang. The mean itself is taken if no axis is near either.
+    Among the signed axes of the joint, those near the mean that keep the head's ``bone`` (3,) upright in the median
+    plane win. ``over_trunk`` (3,) is the up axis if the trunk were upright, because the head of a body that leans far
+    may be level or hang. If no axis is near either, the mean itself is taken.
     """
     candidates = _signed_axes()
     costs = [_unlikeliness(axes, mean, over_trunk, bone) for axes in candidates]
@@ -301,7 +308,7 @@ def _unlikeliness(axes: FloatArray, mean: FloatArray, over_trunk: FloatArray, bo
 
 
 def _signed_axes() -> list[FloatArray]:
-    """All 24 right-handed frames whose axes are those of the coordinates."""
+    """All 24 right-handed frames made of the positive and negative coordinate axes."""
     frames = [
         np.eye(3)[list(order)].T * signs for order in permutations(range(3)) for signs in product((1.0, -1.0), repeat=3)
     ]

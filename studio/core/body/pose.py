@@ -16,15 +16,17 @@ FloatArray = NDArray[np.float64]
 class PoseSequence:
     """Local rotations and translations of J joints over F frames (at least one).
 
-    Quaternions are normalised and made continuous in sign, in place if the caller gives them up (``own``); read-only
-    translations are not copied. Raises StudioError if shapes disagree, a number is not finite or a quaternion has no
-    length.
+    Quaternions are normalised and made continuous in sign; with ``own`` this happens in place, in the caller's array.
+    Read-only translations are not copied. Raises StudioError if shapes disagree, a number is not finite or a quaternion
+    has no length.
     """
 
     local_rotations: FloatArray
-    """(F, J, 4) unit quaternions xyzw, joint axes to the parent's."""
+    """Unit quaternions (F, J, 4) xyzw, from joint axes to the parent's."""
     local_translations: FloatArray
-    """(F, J, 3) metres, in the parent's axes: the root's travel, the bones of the others."""
+    """Translations (F, J, 3) in metres, in the parent's axes: the travel of the root, and the bones of the other
+    joints.
+    """
 
     own: InitVar[bool] = False
 
@@ -53,16 +55,16 @@ class PoseSequence:
 
     @property
     def frame_count(self) -> int:
-        """Frames F."""
+        """Number of frames F."""
         return len(self.local_rotations)
 
     @property
     def joint_count(self) -> int:
-        """Joints J."""
+        """Number of joints J."""
         return int(self.local_rotations.shape[1])
 
     def frames(self, first: int, last: int) -> "PoseSequence":
-        """The poses from frame ``first`` to ``last``, both included."""
+        """Poses from frame ``first`` to ``last``, both included."""
         return PoseSequence(self.local_rotations[first : last + 1], self.local_translations[first : last + 1])
 
     def runs(self, length: int = 2048) -> "Iterator[tuple[slice, PoseSequence]]":

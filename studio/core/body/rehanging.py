@@ -1,4 +1,4 @@
-"""Joints with another parent than in their file: rigs for inverse kinematics keep the feet below the root."""
+"""Reparented joints: rigs for inverse kinematics keep the feet below the root, and they must hang from the shanks."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,14 +21,14 @@ _APART = 0.1
 
 @dataclass(frozen=True)
 class JointOrder:
-    """New order of joints: ``order`` (J,) has old indices, ``parents`` (J,) new ones."""
+    """New order of joints: ``order`` (J,) has the old index of each joint, ``parents`` (J,) new indices."""
 
     order: IntArray
     parents: IntArray
 
 
 def reparented_order(parents: IntArray, moved: Mapping[int, int]) -> JointOrder:
-    """Joint order with every parent before its children, after the joints of ``moved`` (joint: parent) change parents.
+    """Order of the joints with every parent before its children, after ``moved`` (joint: new parent) is applied.
 
     The new parent of a joint must not be one of its descendants.
     """
@@ -43,9 +43,11 @@ def reparented_order(parents: IntArray, moved: Mapping[int, int]) -> JointOrder:
 
 
 def with_body_over_feet(skeleton: Skeleton, poses: PoseSequence, feet: Mapping[int, int]) -> tuple[PoseSequence, float]:
-    """Motion with the body moved over ``feet`` (foot: shank) that are not its descendants, and its former distance from
-    them. Some files move the feet through the world and leave the body behind, or fixed. The rotations of the legs
-    give its position: the one at which the ends of both shanks meet the feet. Raises StudioError if there is none.
+    """Motion with the body moved over its feet, and its greatest distance from them before.
+
+    ``feet`` maps each foot, which is no descendant of the body, to its shank. Some files move the feet through the
+    world and leave the body behind, or fixed. The rotations of the legs give the position at which the ends of both
+    shanks meet the feet. Raises StudioError if there is none.
     """
     still = joint_world(skeleton, rest_poses(skeleton, np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))))[0][0]
     positions, turns = joint_world(skeleton, poses)
@@ -74,7 +76,7 @@ def with_body_over_feet(skeleton: Skeleton, poses: PoseSequence, feet: Mapping[i
 
 
 def reparented_motion(skeleton: Skeleton, poses: PoseSequence, new: JointOrder) -> tuple[Skeleton, PoseSequence]:
-    """The same motion on a skeleton with the parents of ``new``; the zero pose keeps its positions too."""
+    """Skeleton with the parents of ``new``, and the same motion on it; the zero pose keeps its positions too."""
     still = PoseSequence(np.tile([0.0, 0.0, 0.0, 1.0], (1, skeleton.joint_count, 1)), skeleton.offsets[None])
     offsets = _local(*joint_world(skeleton, still), new)[1][0]
     names = tuple(skeleton.names[old] for old in new.order)

@@ -1,4 +1,4 @@
-"""The rest pose, in which a body is measured and its skin is bound."""
+"""Rest pose, in which a body is measured and its skin is bound."""
 
 from functools import lru_cache
 
@@ -10,15 +10,16 @@ from studio.core.rotations import cross, frame_along
 
 REST_FORWARD = np.array([1.0, 0.0, 0.0])
 REST_UP = np.array([0.0, 0.0, 1.0])
-UPPER_ARM = np.array([0.06, np.cos(np.radians(50)), -np.sin(np.radians(50))])
-ELBOW_FLEXION = np.radians(12)
+REST_UPPER_ARM_DIRECTION = np.array([0.06, np.cos(np.radians(50)), -np.sin(np.radians(50))])
+"""Direction of the left upper arm in the rest pose, x forward, y left, z up."""
+REST_ELBOW_RADIANS = np.radians(12)
 
 
 def rest_pose(morphology: Morphology) -> tuple[FloatArray, FloatArray]:
-    """An A-pose facing +X, soles flat on z = 0, the root above the origin.
+    """Points ``positions`` (K+23, 3) and segment ``rotations`` (K+18, 3, 3) of a body in an A-pose in world axes.
 
-    Returns world ``positions`` (K+23, 3) of the points and ``rotations`` (K+18, 3, 3) of the segments, in the
-    frames of ``canonical``. The longer of two unequal legs bends its knee.
+    The body faces +X, with flat soles on z = 0 and the root above the origin. Rotations are in the axes of
+    ``canonical``. The longer of two unequal legs bends its knee.
     """
     positions, rotations = _computed(morphology)
     return positions.copy(), rotations.copy()
@@ -43,7 +44,7 @@ def _computed(morphology: Morphology) -> tuple[FloatArray, FloatArray]:
 
 
 def flexed_frame(frame: FloatArray, flexion: float) -> FloatArray:
-    """``frame`` turned by ``flexion`` radians about its own x axis, the hinge."""
+    """Axes ``frame`` (3, 3) rotated by ``flexion`` radians about their own x axis, the hinge."""
     c, s = np.cos(flexion), np.sin(flexion)
     return np.asarray(frame @ np.array([[1, 0, 0], [0, c, -s], [0, s, c]]))
 
@@ -51,9 +52,9 @@ def flexed_frame(frame: FloatArray, flexion: float) -> FloatArray:
 def _hang_arm(morphology: Morphology, side: int, positions: FloatArray, rotations: FloatArray) -> None:
     outward = np.array([1.0, 1 - 2 * side, 1.0])
     clavicle = frame_along(morphology.clavicle_rest[side], REST_FORWARD)
-    bone = UPPER_ARM * outward
+    bone = REST_UPPER_ARM_DIRECTION * outward
     upper = frame_along(bone, cross(bone, REST_FORWARD))
-    forearm = flexed_frame(upper, ELBOW_FLEXION)
+    forearm = flexed_frame(upper, REST_ELBOW_RADIANS)
     lengths = (morphology.clavicle[side], *morphology.arm[side])
     first = morphology.layout.collar_point(side)
     segment = morphology.layout.segment_of_part(BodyPart.RIGHT_CLAVICLE if side else BodyPart.LEFT_CLAVICLE)

@@ -23,11 +23,11 @@ class Skeleton:
 
     names: tuple[str, ...]
     parents: IntArray
-    """(J,) index of the parent, -1 for the root."""
+    """Index (J,) of the parent of each joint; -1 for the root."""
     offsets: FloatArray
-    """(J, 3) metres, from the parent's joint in the parent's axes; the root's is where it stands at rest."""
+    """Offsets (J, 3) in metres from the parent joint, in its axes; that of the root is its position at rest."""
     end_sites: BoolArray
-    """(J,) true for the ends of bones that have no motion of their own."""
+    """Mask (J,) of the ends of bones, which have no motion of their own."""
 
     def __post_init__(self) -> None:
         count = len(self.names)
@@ -82,21 +82,21 @@ class Skeleton:
         return tuple(depths)
 
     def index(self, name: str) -> int:
-        """Index of the joint called ``name``; raises StudioError with similar names."""
+        """Index of the joint called ``name``. Raises StudioError, which suggests similar names."""
         if name in self.names:
             return self.names.index(name)
         near = get_close_matches(name, self.names, n=4, cutoff=0.5) or self.names[:4]
         raise StudioError(f"No joint is called '{name}'. Nearest names: {', '.join(near)}.")
 
     def path(self, ancestor: int, joint: int) -> tuple[int, ...]:
-        """Joints from ``ancestor`` down to ``joint``, both included; empty if it is not an ancestor."""
+        """Joints from ``ancestor`` down to ``joint``, both included; empty if ``ancestor`` is none of the joint."""
         way = [joint]
         while way[-1] > ancestor:
             way.append(int(self.parents[way[-1]]))
         return tuple(reversed(way)) if way[-1] == ancestor else ()
 
     def common_ancestor(self, *joints: int) -> int:
-        """Lowest joint that is an ancestor of all ``joints``, or one of them."""
+        """Deepest joint that is an ancestor of all ``joints``, or one of them."""
         current = set(joints)
         while len(current) > 1:
             deepest = max(current)

@@ -7,7 +7,10 @@ from studio.core.body.morphology import FloatArray, Morphology
 
 
 def standing_points(morphology: Morphology, rotations: FloatArray) -> FloatArray:
-    """(K+23, 3) canonical points under world ``rotations`` (K+18, 3, 3): root over the origin, a sole on z = 0."""
+    """Canonical points (K+23, 3) of a body whose segments have the world ``rotations`` (K+18, 3, 3) as it stands.
+
+    The root is over the origin and the lower sole on z = 0.
+    """
     layout = morphology.layout
     bones = np.einsum("sij,sj->si", rotations, bone_vectors(morphology))
     points = np.zeros((layout.point_count, 3))
@@ -28,7 +31,7 @@ def standing_points(morphology: Morphology, rotations: FloatArray) -> FloatArray
 
 
 def bone_vectors(morphology: Morphology) -> FloatArray:
-    """(K+18, 3) from the near to the far point of each segment, in the segment's axes."""
+    """Vectors (K+18, 3) from the proximal to the distal point of each segment, in the segment's axes."""
     layout = morphology.layout
     vectors = np.zeros((layout.segment_count, 3))
     vectors[: layout.spine_count] = morphology.spine

@@ -1,1 +1,1 @@
-"""Captures, and their analysis: contacts, touching hands, remarks."""
+"""Captures and their analysis: contacts with the ground, hand contacts, faults and warnings."""

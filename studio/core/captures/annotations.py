@@ -1,4 +1,4 @@
-"""Annotations: contacts, constraints and labels that belong to a motion."""
+"""Annotations of a motion: its contacts, constraints and labels."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -23,7 +23,7 @@ class Label:
 
 
 def labels_in_range(labels: Iterable[Label], first: int, last: int) -> tuple[Label, ...]:
-    """Labels clipped to the frames ``first`` to ``last``, counted from ``first``."""
+    """Labels cut to the frames ``first`` to ``last``, which are then counted from ``first``."""
     return tuple(
         replace(each, first=max(each.first, first) - first, last=min(each.last, last) - first)
         for each in labels
@@ -40,7 +40,7 @@ class Annotations:
     labels: tuple[Label, ...] = ()
 
     def of_motion(self, motion_id: str) -> Self:
-        """Copy that refers to the motion of that id."""
+        """Copy whose annotations refer to the motion ``motion_id``."""
         contacts = self.contacts and tuple(replace(each, motion_id=motion_id) for each in self.contacts)
         constraints = tuple(replace(each, motion_id=motion_id) for each in self.constraints)
         labels = tuple(replace(each, motion_id=motion_id) for each in self.labels)

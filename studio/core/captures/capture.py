@@ -13,26 +13,27 @@ from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.markers.force_plates import PlateLoad
 from studio.core.markers.take import MarkerTake
-from studio.core.plausible import FRAME_RATE, GROUND
+from studio.core.plausible import FRAME_RATE_RANGE, GROUND_RANGE
 
 FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Guess:
-    """Assumption that the user may overrule."""
+    """Assumption that a reader made about a file, and that the user may change."""
 
     subject: str
-    """One of ``unit, up axis, frame rate, floor, floor drift, steps, body map, feet, moving offsets,
-    cleaning, reference pose, first frame``."""
+    """Subject of the assumption: one of ``unit, up axis, frame rate, floor, floor drift, steps, body map, feet, moving
+    offsets, cleaning, reference pose, first frame``.
+    """
     value: str
     reason: str
     confidence: Confidence | None = None
-    """None where the reader of a plug-in does not say it."""
+    """Confidence of the assumption; None if the reader of a plug-in does not state it."""
 
     @property
     def title(self) -> str:
-        """Subject and value, with the confidence where it is known: ``unit: cm (sure)``."""
+        """Subject and value, with the confidence if it is known: ``unit: cm (sure)``."""
         return f"{self.subject}: {self.value}" + (f" ({self.confidence})" if self.confidence else "")
 
 
@@ -42,28 +43,30 @@ class Capture:
 
     name: str
     source: str
-    """File name without folder."""
+    """Name of the source file, without folder."""
     skeleton: Skeleton
     poses: PoseSequence
     frame_rate: float
     body_map: BodyMap | None
-    """None where the body is no humanoid."""
+    """Joints of the human body; None if the body is no humanoid."""
     reference_rotations: FloatArray
-    """(J, 4) local rotations that stand the body upright along Z, as near to a T-, A- or N-pose as can be."""
+    """Local rotations (J, 4) of a pose upright along Z, as near to a T-, A- or N-pose as possible."""
     floor: float
     """Height of the ground in metres, world Z."""
     unit: str
     up_axis: str
     first_frame: int
-    """First frame of the motion proper: later than 0 when it is preceded by a calibration pose."""
+    """First frame of the motion proper: later than 0 after a calibration pose."""
     guesses: tuple[Guess, ...]
     repairs: tuple[str, ...]
     markers: MarkerTake | None = None
-    """Optical markers from which the body was solved, kept so that it can be solved again; None without markers."""
+    """Optical markers from which the body was solved, kept to solve it again; None for captures without markers."""
     plate_loads: tuple[PlateLoad, ...] = ()
-    """Steps on the force plates that were recorded with its markers."""
+    """Loads of steps on force plates that were recorded with the markers."""
     digest: str = ""
-    """SHA-256 of the content of the source file in hexadecimal digits, by which it is found again; empty if unknown."""
+    """SHA-256 of the content of the source file in hexadecimal digits, by which the file is found again; empty if
+    unknown.
+    """
 
     def __post_init__(self) -> None:
         reference = np.array(self.reference_rotations, dtype=np.float64)
@@ -77,8 +80,8 @@ class Capture:
         if not (np.isfinite(self.frame_rate) and self.frame_rate > 0.0 and np.isfinite(self.floor)):
             raise StudioError(f"The frame rate or the floor of '{self.name}' is not a usable number.")
         try:
-            FRAME_RATE.check(self.frame_rate)
-            GROUND.check(self.floor)
+            FRAME_RATE_RANGE.check(self.frame_rate)
+            GROUND_RANGE.check(self.floor)
         except ValueError as error:
             raise StudioError(f"'{self.name}': {error}") from error
         mapped = (*self.body_map.parts.values(), *self.body_map.spine) if self.body_map else ()
@@ -89,7 +92,7 @@ class Capture:
 
     @property
     def frame_count(self) -> int:
-        """Frames F, those before ``first_frame`` included."""
+        """Number of frames F, including those before ``first_frame``."""
         return self.poses.frame_count
 
     @property
@@ -98,7 +101,7 @@ class Capture:
         return (self.frame_count - 1 - self.first_frame) / self.frame_rate
 
     def with_body_map(self, names: Mapping[str, str]) -> "Capture":
-        """Copy with the user's body map, without the guess about it."""
+        """Copy with the body map ``names`` of the user, without the guess about it."""
         return self._overruled("body map", body_map=BodyMap.from_json(self.skeleton, names))
 
     def with_frame_rate(self, frame_rate: float) -> "Capture":
@@ -118,7 +121,7 @@ class Capture:
         return replace(self, guesses=(guess, *self.guesses))
 
     def without_guess(self, subject: str) -> "Capture":
-        """Copy without the guess about a subject, once the user has decided."""
+        """Copy without the guess about ``subject``, after the user has decided."""
         return self._overruled(subject)
 
     def _overruled(self, subject: str, **values: object) -> "Capture":

@@ -5,9 +5,7 @@ from typing import Self
 
 
 class Confidence(StrEnum):
-    """Confidence of a guess, from the lead of the best reading over the second best, or from the scatter of the
-    evidence.
-    """
+    """Confidence of a guess, derived from its lead over the second best guess or from the scatter of the evidence."""
 
     SURE = "sure"
     LIKELY = "likely"
@@ -15,5 +13,5 @@ class Confidence(StrEnum):
 
     @classmethod
     def of(cls, margin: float, likely: float, sure: float) -> Self:
-        """Confidence for a ``margin``; ``likely`` and ``sure`` are the thresholds of these levels."""
+        """Confidence for a ``margin``; ``likely`` and ``sure`` are the least margins of these levels."""
         return cls("sure" if margin >= sure else "likely" if margin >= likely else "doubtful")

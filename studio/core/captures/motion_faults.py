@@ -17,22 +17,25 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 SPIKE_ANGLE = np.radians(55.0)
-"""Radians by which a joint rotates within one frame into a spike, and out of it again: twice what kicks reach."""
+"""Angle in radians by which a joint rotates within one frame into a spike, and out of it again: twice what kicks reach.
+"""
 SPIKE_LENGTH = 0.15
-"""Metres of the same for the root."""
+"""Distance in metres by which the root jumps within one frame into a spike, and out of it again."""
 SPIKE_RETURN = 0.35
-"""Greatest part of these jumps by which the frames before and after a spike differ."""
-LONGEST_SPIKE = 0.5
-"""Seconds of a spike, or of a swap, at most: longer ones are somebody's pose."""
-SWAP_FLIP, SWAP_RETURN, SWAP_SUDDEN = 0.3, 0.35, 2.5
-"""Metres by which the line between a left and a right joint turns over in one frame where they are exchanged, the part
-of that by which it is then not opposite, and how many times more it is than a frame before or after.
+"""Greatest difference of the frames before and after a spike, as a fraction of its jumps."""
+LONGEST_SPIKE_SECONDS = 0.5
+"""Longest duration of a spike or a swap in seconds; a longer one is a real pose."""
+SWAP_FLIP, SWAP_RETURN, SWAP_JUMP_RATIO = 0.3, 0.35, 2.5
+"""Thresholds of exchanged limbs: metres by which the line between a left and a right joint turns over in one frame, the
+fraction of that by which it then differs from its opposite, and the ratio of the jump to that in the frames before and
+after.
 """
 TREMBLE_ANGLE, TREMBLE_LENGTH = np.radians(1.2), 0.008
-"""Standard deviation, radians of half the joints and metres of the root, from which a take trembles."""
-SMOOTHINGS = 0.012 * 1.25 ** np.arange(12)
-"""Seconds, standard deviations of the smoothing windows from which the widest fitting one is taken: up to 0.14."""
+"""Standard deviations of tremble: of half the joints in radians, and of the root in metres."""
+SMOOTHING_WINDOWS_SECONDS = 0.012 * 1.25 ** np.arange(12)
+"""Standard deviations in seconds of the smoothing windows, of which the widest that fits is used."""
 SKATE_SECONDS = 0.1
+"""Time in seconds over which the travel of a standing foot is measured."""
 _QUARTILE = np.sqrt(20.0) * 1.101
 """Lowest quartile of the lengths of third differences of noise with a standard deviation of 1 along three axes."""
 _FEWEST_FRAMES, _SHOWN = 12, 4
@@ -40,18 +43,18 @@ _FEWEST_FRAMES, _SHOWN = 12, 4
 
 @dataclass(frozen=True)
 class MotionFaults:
-    """Measured faults of a recorded motion, by which cleaning is offered."""
+    """Faults measured in a recorded motion; cleaning is offered if there are any."""
 
     spikes: int
-    """Moments in which a joint, or the root, leaves its course and comes back."""
+    """Number of moments in which a joint or the root leaves its course and comes back."""
     swaps: tuple[tuple[str, int, int], ...]
-    """``legs`` or ``arms`` whose left and right are exchanged, from the first to the last frame."""
+    """Swaps of left and right as (``legs`` or ``arms``, first frame, last frame)."""
     tremble: float
-    """Standard deviation of the rotations of half the joints about each axis, radians."""
+    """Median over the joints of the standard deviation in radians of their rotation about each axis."""
     root_tremble: float
-    """Standard deviation of the root along each axis, metres."""
+    """Standard deviation in metres of the root along each axis."""
     skate: float
-    """Median of the metres that the slower foot travels along the ground in ``SKATE_SECONDS``."""
+    """Median distance in metres that the slower foot travels along the ground in ``SKATE_SECONDS``."""
 
     @property
     def trembles(self) -> bool:
@@ -83,17 +86,18 @@ class MotionFaults:
 def clean_motion(
     poses: PoseSequence, positions: FloatArray, body_map: BodyMap, frame_rate: float
 ) -> tuple[PoseSequence, MotionFaults]:
-    """Motion without spikes, swaps and tremble, and the faults that it had; ``positions`` (F, J, 3) of its joints.
+    """Motion without spikes, swaps and tremble, and the faults that it had; ``positions`` (F, J, 3) are those of its
+    joints.
 
-    Frames of spikes and of swaps are interpolated from the frames around them. Each joint is smoothed by the widest
-    window that removes no more than its own noise, so that fast moves keep their amplitude. A motion without faults is
+    Frames of spikes and swaps are interpolated from the frames around them. Each joint is smoothed by the widest window
+    that removes no more than its own noise, so that fast moves keep their amplitude. A motion without faults is
     returned unchanged.
     """
     pelvis, joints = body_map.spine[0], sorted({*body_map.parts.values(), *body_map.spine})
     skate = _skate(positions[:, [body_map[BodyPart.LEFT_FOOT], body_map[BodyPart.RIGHT_FOOT]]], frame_rate)
     if poses.frame_count < _FEWEST_FRAMES:
         return poses, MotionFaults(0, (), 0.0, 0.0, skate)
-    longest = max(1, round(LONGEST_SPIKE * frame_rate))
+    longest = max(1, round(LONGEST_SPIKE_SECONDS * frame_rate))
     swaps, exchanged = _find_swaps(positions, body_map, longest)
     tracks, spikes = dict[int, FloatArray](), 0
     for joint in joints:
@@ -126,9 +130,10 @@ def _skate(feet: FloatArray, frame_rate: float) -> float:
 def _find_swaps(
     positions: FloatArray, body_map: BodyMap, longest: int
 ) -> tuple[tuple[tuple[str, int, int], ...], dict[int, BoolArray]]:
-    """First and last frame of each swap of limbs, with its limbs, and for each joint the frames (F,) to be
-    interpolated. Only swaps of up to ``longest`` frames are found. If hips or shoulders are exchanged, the trunk is
-    rotated with them.
+    """Swaps of limbs, each with its first and last frame, and for each joint the frames (F,) to interpolate.
+
+    Only swaps of up to ``longest`` frames are found. If hips or shoulders are exchanged, the trunk is rotated with
+    them.
     """
     spans: list[tuple[str, int, int]] = []
     joints: dict[int, BoolArray] = {}
@@ -149,17 +154,19 @@ def _find_swaps(
 
 
 def _turned_over(line: FloatArray) -> BoolArray:
-    """(F,) true where the ``line`` (F, 3) from a right to a left joint is opposite to that of most frames."""
+    """Mask (F,) of frames in which ``line`` (F, 3), from a right to a left joint, is opposite to its direction in most
+    frames.
+    """
     flip = _distance(line[1:], line[:-1])
     around = np.minimum(np.append(flip[1:], 0.0), np.append(0.0, flip[:-1]))
     opposite = np.linalg.norm(line[1:] + line[:-1], axis=1) < SWAP_RETURN * flip
-    turns = opposite & (flip > SWAP_FLIP) & (flip > SWAP_SUDDEN * around)
+    turns = opposite & (flip > SWAP_FLIP) & (flip > SWAP_JUMP_RATIO * around)
     wrong = np.append(False, np.cumsum(turns) % 2 == 1)
     return ~wrong if wrong.mean() > 0.5 else wrong
 
 
 def _angle(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Radians between unit quaternions (F, 4), exact to 1e-7, in a tenth of the time of ``angle_between``."""
+    """Angles (F,) in radians between unit quaternions (F, 4), exact to 1e-7; ten times as fast as ``angle_between``."""
     return np.asarray(2.0 * np.arccos(np.minimum(np.abs(np.einsum("fi,fi->f", first, second)), 1.0)))
 
 
@@ -170,9 +177,9 @@ def _distance(first: FloatArray, second: FloatArray) -> FloatArray:
 def _without_spikes(
     track: FloatArray, distance: Callable[[FloatArray, FloatArray], FloatArray], jump: float, longest: int
 ) -> tuple[FloatArray, int]:
-    """The ``track`` (F, 3 or 4) interpolated through its spikes, and their number, the shortest first.
+    """``track`` (F, 3 or 4) interpolated through its spikes, and the number of spikes; shorter ones are removed first.
 
-    A spike begins and ends with a ``jump`` and lasts for up to ``longest`` frames.
+    A spike begins and ends with a ``jump`` of ``distance`` and lasts for up to ``longest`` frames.
     """
     count = 0
     for length in range(1, min(longest, len(track) - 2) + 1):
@@ -215,9 +222,9 @@ def _noise(track: FloatArray) -> float:
 
 
 def _calmed(track: FloatArray, noise: float, frame_rate: float) -> FloatArray:
-    """The ``track`` (F, N) smoothed by the widest window that removes no more than ``noise`` along three axes."""
+    """``track`` (F, N) smoothed by the widest window that removes no more than ``noise`` along three axes."""
     calm = track
-    for seconds in SMOOTHINGS:
+    for seconds in SMOOTHING_WINDOWS_SECONDS:
         smooth = bell_average(track, seconds * frame_rate)
         if np.sqrt(np.mean(np.sum((track - smooth) ** 2, axis=1))) > np.sqrt(3.0) * noise:
             break

@@ -1,4 +1,4 @@
-"""Contacts of feet on force plates: a plate shows to the millisecond when a foot comes and goes."""
+"""Contacts of feet on force plates, which show to the millisecond when a foot lands and leaves."""
 
 from collections.abc import Mapping, Sequence
 
@@ -10,21 +10,23 @@ from studio.core.markers.force_plates import PlateLoad
 
 FloatArray = NDArray[np.float64]
 
-OVERHANG = 0.03
-"""Metres that heel, ball or tip of a foot on a plate may lie beyond its edge: markers lie beside a foot."""
-SURE = 0.5
-"""Least part of a load in which the foot on the plate is found standing by its motion."""
+PLATE_OVERHANG_METRES = 0.03
+"""Distance in metres by which heel, ball or tip of a foot may lie outside the plate, because markers are beside the
+foot.
+"""
+LEAST_STANDING_FRACTION = 0.5
+"""Least fraction of the time of a load in which the motion shows the foot standing on the plate."""
 UNLOADED_SECONDS = 0.2
-"""Seconds before or after a load for which a foot rests on the plate at most without loading it."""
+"""Longest time in seconds before or after a load in which a foot rests on the plate without loading it."""
 
 
 def contacts_fitted_to_plates(
     feet: Mapping[ContactPoint, list[Span]], soles: FloatArray, loads: Sequence[PlateLoad], frame_rate: float
 ) -> dict[ContactPoint, list[Span]]:
-    """Contacts of ``feet``, with each step on a plate set to the first and last frame of its load.
+    """Contacts ``feet``, with each step on a plate set to the first and last frame of its load.
 
-    ``soles`` (F, 2, 3, 3) metres as in ``detect_contacts``. A load under both feet, or under a foot that reaches beyond
-    the plate, is ignored. Frames of a load without a contact take that of the nearest frame with one.
+    ``soles`` (F, 2, 3, 3) are as in ``detect_contacts``. A load under both feet, or under a foot that extends beyond
+    the plate, is ignored. Frames of a load without a contact take the contact of the nearest frame that has one.
     """
     found = dict(feet)
     reach = round(UNLOADED_SECONDS * frame_rate)
@@ -39,7 +41,7 @@ def contacts_fitted_to_plates(
             continue
         (side,) = treads
         known = np.flatnonzero(stands[side, frames])
-        if len(known) < SURE * len(frames) or not over[side, known].all():
+        if len(known) < LEAST_STANDING_FRACTION * len(frames) or not over[side, known].all():
             continue
         nearest = known[np.rint(np.interp(np.arange(len(frames)), known, np.arange(len(known)))).astype(int)]
         stances = [(a, b) for a, b in spans_of(stands[side]) if a <= frames[-1] and b >= frames[0]]
@@ -56,9 +58,11 @@ def contacts_fitted_to_plates(
 
 
 def _over(points: FloatArray, corners: FloatArray) -> NDArray[np.bool_]:
-    """True for each of ``points`` (..., 2) over a plate with ``corners`` (4, 2), or within ``OVERHANG`` of it."""
+    """Mask (...) of the ``points`` (..., 2) above a plate with ``corners`` (4, 2), or within ``PLATE_OVERHANG_METRES``
+    of it.
+    """
     edges = np.roll(corners, -1, axis=0) - corners
     inward = np.stack([-edges[:, 1], edges[:, 0]], axis=1) / np.linalg.norm(edges, axis=1, keepdims=True)
     inward *= np.sign(np.sum((corners.mean(axis=0) - corners) * inward, axis=1, keepdims=True))
     distances = np.einsum("...cd,cd->...c", points[..., None, :] - corners, inward)
-    return np.asarray((distances > -OVERHANG).all(axis=-1))
+    return np.asarray((distances > -PLATE_OVERHANG_METRES).all(axis=-1))

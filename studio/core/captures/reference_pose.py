@@ -1,4 +1,4 @@
-"""The reference pose, upright and at ease: the zero pose if it is human, else the neutral pose of all frames."""
+"""Reference pose, upright and at ease: the zero pose if it is human, else a neutral pose estimated from all frames."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,7 @@ from studio.core.rotations import IDENTITY_QUATERNION, from_matrix, multiply, no
 FloatArray = NDArray[np.float64]
 
 ZERO_POSE, ALL_FRAMES = "zero pose", "all frames"
-"""Sources of a reference pose."""
+"""Sources of a reference pose, as they are named to the user."""
 _UP: FloatArray = np.array([0.0, 0.0, 1.0])
 _NEVER_STOOD = 2.0
 """Worst fault of a take's best frame from which no frame of it stands at ease."""
@@ -40,7 +40,7 @@ class ReferencePose:
 
 
 def find_reference_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyMap) -> ReferencePose:
-    """Zero pose, stood up if it lies, if it is human; else the neutral pose of all frames."""
+    """Zero pose, rotated upright if it lies, if it is human; else the neutral pose estimated from all frames."""
     zero = np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))
     standing = upright_pose(skeleton, zero, body_map)
     if standing is not None:
@@ -66,9 +66,11 @@ def find_reference_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyM
 
 
 def upright_pose(skeleton: Skeleton, local_rotations: FloatArray, body_map: BodyMap) -> FloatArray | None:
-    """Pose (J, 4) with the root rotated so that the trunk points to +Z; None if it points elsewhere than the body.
+    """Pose (J, 4) with the root rotated so that the trunk points to +Z; None if the trunk points elsewhere than the
+    body.
 
-    A body that leans from the world axes as a whole is one that a tilted camera sees, in whose axes its zero pose is.
+    The direction of the body, from feet to shoulders, counts as the nearest world axis if it is within 10 degrees of
+    that. Otherwise the zero pose is taken to be in the axes of a tilted camera.
     """
     points = joint_positions(skeleton, rest_poses(skeleton, local_rotations))[0]
     trunk = normalized(_middle(points, body_map, "UPPER_ARM") - _middle(points, body_map, "THIGH"))
@@ -88,15 +90,17 @@ def upright_pose(skeleton: Skeleton, local_rotations: FloatArray, body_map: Body
 
 
 def ease_weights(points: FloatArray, body_map: BodyMap) -> FloatArray:
-    """(F,) from 0 to 1: how upright and symmetric the body stands in each frame of ``points`` (F, J, 3)."""
+    """Weights (F,) from 0 to 1 that are greater the more upright and symmetric the body stands; ``points``
+    (F, J, 3).
+    """
     return np.asarray(1.0 / (1.0 + (stance_deviations(points, body_map) ** 2).sum(axis=1)) ** 2)
 
 
 def stance_deviations(points: FloatArray, body_map: BodyMap) -> FloatArray:
-    """Deviations of each frame of ``points`` (F, J, 3) from a relaxed human stance: (F, n), 1 at the tolerable limit.
+    """Deviations (F, n) of each frame of ``points`` (F, J, 3) from a relaxed human stance; 1 is the tolerable limit.
 
-    Lean of trunk and head, splay and bend of legs, twist of shoulders against hips, narrow shoulders, and arms that
-    are asymmetric, bent or raised.
+    They measure the lean of trunk and head, splay and bend of the legs, twist of shoulders against hips, narrow
+    shoulders, and arms that are asymmetric, bent or raised.
     """
     hips, shoulders = _middle(points, body_map, "THIGH"), _middle(points, body_map, "UPPER_ARM")
     across_hips, across_shoulders = _across(points, body_map, "THIGH"), _across(points, body_map, "UPPER_ARM")
@@ -135,7 +139,7 @@ def _across(points: FloatArray, body_map: BodyMap, part: str) -> FloatArray:
 
 
 def _angle(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Degrees between vectors."""
+    """Angles in degrees between vectors."""
     sine = np.linalg.norm(np.cross(first, second), axis=-1)
     degrees: FloatArray = np.degrees(np.arctan2(sine, np.sum(first * second, axis=-1)))
     return degrees

@@ -1,4 +1,4 @@
-"""Heels that leave the ground while the ball still stands: a heel contact ends when its heel begins to rise."""
+"""Heels that leave the ground while the ball still stands: a heel contact ends as its heel begins to rise."""
 
 from collections.abc import Sequence
 
@@ -10,12 +10,14 @@ from studio.core.runs import runs_of
 
 FloatArray = NDArray[np.float64]
 
-LYING = 0.3
-"""The part of a contact's heights, from the lowest, at which the ankle is while the sole lies flat."""
-RISES, RISEN = 0.004, 0.012
-"""Parts of the leg's length above that at which a heel begins to rise, if it goes on to rise so far."""
-FLOOR_DRIFT = 0.012
-"""Metres a second by which the floor of a capture rises or sinks at most."""
+FLAT_SOLE_FRACTION = 0.3
+"""Quantile of the ankle's heights in a heel contact that is the height over the flat sole."""
+HEEL_RISE_BEGIN, HEEL_RISE_LEAST = 0.004, 0.012
+"""Heights above that of the flat sole, as fractions of the leg length: at which a heel begins to rise, and which it
+must reach in the same rise.
+"""
+FLOOR_DRIFT_SPEED = 0.012
+"""Greatest speed in metres per second with which the floor of a capture rises or sinks."""
 
 
 def rising_heels(
@@ -26,13 +28,13 @@ def rising_heels(
     leg_length: float,
     frame_rate: float,
 ) -> NDArray[np.bool_]:
-    """(F,) true where a heel rises or sinks over a ball that stands, ``toe`` (F,).
+    """Mask (F,) of frames in which a heel rises or sinks while the ball stands, ``toe`` (F,).
 
-    ``heels`` are the frames (first, last) of its contacts; ``ankle`` and ``ball`` (F, 3) metres, Z up, are joints of
-    the foot. A heel that rises does so over where it lay, and over the ball or faster than the floor of a capture
-    drifts, which lifts both. Noise is no rise.
+    ``heels`` are the spans (first, last) of heel contacts; ``ankle`` and ``ball`` (F, 3), metres, Z up, are joints of
+    the foot. A rising heel rises above its height in the contact, and either relative to the ball or faster than the
+    floor of a capture drifts, since drift lifts both. Noise of the ankle is not taken as a rise.
     """
-    floor = _floor_under(np.where(toe, ankle[:, 2], np.inf), FLOOR_DRIFT / frame_rate)
+    floor = _floor_under(np.where(toe, ankle[:, 2], np.inf), FLOOR_DRIFT_SPEED / frame_rate)
     heights = np.stack([ankle[:, 2], ankle[:, 2] - ball[:, 2], ankle[:, 2] - floor])
     noise = max(noise_deviation(ankle, toe), noise_deviation(ankle - ball, toe))
     rising = np.zeros(len(ankle), dtype=np.bool_)
@@ -42,13 +44,13 @@ def rising_heels(
         flat = toe[first : last + 1]
         if not flat.any():
             continue
-        lows = np.quantile(heights[:, first : last + 1][:, flat], LYING, axis=1)
+        lows = np.quantile(heights[:, first : last + 1][:, flat], FLAT_SOLE_FRACTION, axis=1)
         for stance, past in stances[np.searchsorted(ends, first) : np.searchsorted(begins, last, "right")]:
             over_low, over_ball, over_floor = heights[:, stance : past + 1] - lows[:, None]
             above = np.minimum(over_low, np.maximum(over_ball, over_floor))  # they go on to rise after the contact
-            for begin, end in runs_of(above > max(RISES * leg_length, noise)):
+            for begin, end in runs_of(above > max(HEEL_RISE_BEGIN * leg_length, noise)):
                 own = slice(max(stance + begin, first), min(stance + end, last + 1))
-                rising[own] |= above[begin:end].max() > max(RISEN * leg_length, 2.0 * noise)
+                rising[own] |= above[begin:end].max() > max(HEEL_RISE_LEAST * leg_length, 2.0 * noise)
     return rising
 
 

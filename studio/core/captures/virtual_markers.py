@@ -1,4 +1,4 @@
-"""Virtual markers: a motion written as a marker trial, so that any program can solve it again."""
+"""Virtual markers: a motion written as a marker trial that other programs can solve."""
 
 from collections.abc import Callable, Iterable
 
@@ -16,7 +16,7 @@ from studio.core.markers.trial import MARKER_KIND, VIRTUAL_KIND, Trial, TrialEve
 FloatArray = NDArray[np.float64]
 
 _UNIT = 1000.0
-"""Millimetres, as every laboratory has them."""
+"""Millimetres in a metre; marker laboratories use millimetres."""
 _PART = {
     "hip": "THIGH", "knee": "SHANK", "ankle": "FOOT", "shoulder": "UPPER_ARM", "elbow": "FOREARM", "wrist": "HAND",
 }  # fmt: skip
@@ -37,8 +37,9 @@ _WORN: tuple[tuple[str, str, str, tuple[float, float, float]], ...] = (
     ("front_head", "HEAD", "HEAD", (0.055, 0.035, 0.06)),
     ("back_head", "HEAD", "HEAD", (-0.045, 0.035, 0.06)),
 )
-"""Role, the part at whose near joint it is worn, the part with which it turns, and where: parts of stature forward, to
-the outside and up in the reference pose."""
+"""Markers as (role, part at whose near joint it lies, part with which it moves, position): fractions of stature
+forward, outward and up in the reference pose.
+"""
 _TRUNK: tuple[tuple[str, tuple[float, float, float]], ...] = (
     ("neck_back", (-0.03, 0.0, 0.02)),
     ("collar", (0.04, 0.0, -0.01)),
@@ -62,10 +63,10 @@ def virtual_trial(
     contacts: Iterable[ContactInterval] = (),
     progress: Callable[[float], object] = lambda share: None,
 ) -> Trial:
-    """Joints of a motion as points with their names, and the markers of a human body.
+    """Marker trial with the joints of a motion as named points and the markers of a human body.
 
-    Millimetres, Z up; contacts of the feet become events. The frames before ``first_frame`` are left out. ``progress``
-    is called with a fraction from 0 to 1 and may raise to cancel.
+    It is in millimetres, Z up; foot contacts become events. Frames before ``first_frame`` are left out. ``progress`` is
+    called with a fraction from 0 to 1 and may raise an exception to cancel.
     """
     poses = capture.poses.frames(capture.first_frame, capture.frame_count - 1)
     kinds: dict[str, str] = {}
@@ -93,7 +94,7 @@ def virtual_trial(
 def _points(
     capture: Capture, positions: FloatArray, rotations: FloatArray
 ) -> tuple[dict[str, FloatArray], dict[str, str]]:
-    """Joints and markers by label (N, 3), and the kind of each."""
+    """Positions (N, 3) of joints and markers by label, and the kind of each point by label."""
     points = {name: positions[:, joint] for joint, name in enumerate(capture.skeleton.names)}
     kinds = dict.fromkeys(points, VIRTUAL_KIND)
     if capture.body_map:
@@ -153,7 +154,7 @@ def _facing(places: FloatArray, body_map: BodyMap) -> FloatArray:
 
 
 def _stature(places: FloatArray, body_map: BodyMap) -> float:
-    """Stature from the legs, which are half of it."""
+    """Stature, taken as twice the length of the legs."""
     hip, knee, ankle = (places[body_map[BodyPart[f"LEFT_{part}"]]] for part in ("THIGH", "SHANK", "FOOT"))
     return float(np.linalg.norm(knee - hip) + np.linalg.norm(ankle - knee)) / 0.491
 

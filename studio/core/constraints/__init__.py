@@ -1,1 +1,1 @@
-"""Constraints of the user, one file for each kind; priority, chain and activation are common to all."""
+"""Constraints of the user, one file for each kind; all have a priority, a chain and an activation."""

@@ -1,4 +1,4 @@
-"""Restricted areas: a point of the body stays inside, outside, or on the surface of a shape."""
+"""Volume constraints: a point of the body stays inside, outside, or on the surface of a volume."""
 
 import math
 from dataclasses import dataclass, field
@@ -9,14 +9,16 @@ from studio.core.constraints.base import Constraint, KindInfo, Vector, finite_ve
 from studio.core.constraints.follow import UNTURNED
 from studio.core.constraints.target import Place, checked_place
 from studio.core.curves.keyed import KeyedNumber, KeyedTurn, Quaternion, unit_quaternion
-from studio.core.curves.tangents import SPARSE
+from studio.core.curves.tangents import LEFT_OUT_IF_DEFAULT
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.plausible import TURN_RANGE
 
 
 class AreaShape(StrEnum):
-    """Shape of an area. A half-space lies below its tilted top plane. A table is a box with exits along its own z, and
-    at its edges sideways.
+    """Shape of the volume of an area constraint.
+
+    A half-space lies below its tilted top plane. A table is a box that points leave along its own z axis, and near its
+    edges sideways.
     """
 
     HALF_SPACE = "half_space"
@@ -29,15 +31,15 @@ class AreaShape(StrEnum):
 
 @dataclass(frozen=True)
 class AreaConstraint(Constraint):
-    """``point`` stays outside the shape, or inside it, or ``on_surface`` from either side.
+    """Constraint that keeps ``point`` outside a volume, or ``inside`` it, or ``on_surface`` from either side.
 
-    ``centre`` in metres, motion space; ``size`` in metres: the edges of a box or table (x, y, z), the diameter of a
-    sphere (x), diameter and height of a cylinder (x, z). All but a sphere and a half-space are rotated by ``tilt`` and
-    then by ``heading`` about Z. A half-space is bounded by the plane through ``centre`` whose normal is ``size`` as a
-    direction; outside is the side to which the normal points. A ``mesh`` has its own size and its origin at ``centre``;
-    outside is where its triangles are seen counter-clockwise. An area moves when centre, heading or tilt is keyed, and
-    with what its centre follows: it rotates with a prop, and about Z with a bone. Raises ValueError for an area of no
-    size, or a mesh shape without a mesh.
+    ``centre`` is in metres in motion space. ``size`` in metres are the edges of a box or table (x, y, z), the diameter
+    of a sphere (x), or diameter and height of a cylinder (x, z). All but a sphere and a half-space are rotated by
+    ``tilt`` and then by ``heading`` about Z. A half-space is bounded by the plane through ``centre`` with ``size`` as
+    its normal, which points outside. A ``mesh`` has its own size and its origin at ``centre``; outside is where its
+    triangles are seen counter-clockwise. The volume moves if centre, heading or tilt is keyed, and with the object that
+    its centre follows: it rotates with a prop, and about Z with a bone. Raises ValueError for a volume of no size, or a
+    mesh shape without a mesh.
     """
 
     kind: ClassVar[str] = "area"
@@ -53,10 +55,12 @@ class AreaConstraint(Constraint):
     on_surface: bool = False
     mesh: TriangleMesh | None = None
     whole: bool = False
-    """True if it keeps arms, legs and trunk out; the point and the chain are not used then."""
-    margin: float = field(default=0.0, metadata=SPARSE)
-    """Distance in metres that a point outside keeps, rounded at edges; a whole body keeps its thickness besides."""
-    tilt: Quaternion | KeyedTurn = field(default=UNTURNED, metadata=SPARSE)
+    """True to keep arms, legs and trunk outside; the point and the chain are then not used."""
+    margin: float = field(default=0.0, metadata=LEFT_OUT_IF_DEFAULT)
+    """Distance in metres that a point keeps outside, rounded at edges; a whole body keeps its own thickness in
+    addition.
+    """
+    tilt: Quaternion | KeyedTurn = field(default=UNTURNED, metadata=LEFT_OUT_IF_DEFAULT)
 
     def __post_init__(self) -> None:
         super().__post_init__()

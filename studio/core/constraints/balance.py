@@ -1,4 +1,4 @@
-"""Balance: the centre of mass over a position of the ground, or over the support polygon."""
+"""Balance constraints: the centre of mass stays over a position on the ground, or over the support polygon."""
 
 import math
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from studio.core.plausible import PLACE_RANGE
 
 @dataclass(frozen=True)
 class Support:
-    """Target over the support polygon: the motion's own centre of mass, or the nearest point within.
+    """Balance target: the motion's own centre of mass, moved to the nearest point in the support polygon.
 
     The polygon of soles, hands, knees and seat is shrunk by ``margin`` metres, at most to the middle line of a sole.
     """
@@ -27,11 +27,11 @@ class Support:
 
 @dataclass(frozen=True)
 class BalanceConstraint(Constraint):
-    """The centre of mass stays over ``place``, or (None) over its path in the motion.
+    """Constraint that keeps the centre of mass over ``place`` or, for None, over its own path in the motion.
 
-    ``place`` is two numbers in metres, a position, a path or a followed target, all in the motion's space, or the
-    support. ``vertical`` includes the height: that of the place, or the motion's own. ``point`` is not used. The
-    residual is the distance, horizontal unless vertical.
+    ``place`` is two numbers in metres, a position, a keyed path or a followed target, all in motion space, or the
+    support polygon. ``vertical`` also constrains the height, to that of the place or of the motion. ``point`` is not
+    used. The residual is the distance, horizontal unless ``vertical``.
     """
 
     kind: ClassVar[str] = "balance"

@@ -1,4 +1,4 @@
-"""Constraint of a motion transformed to where a clip of it plays: in time, in space, and mirrored."""
+"""Transformation of a motion's constraints to where a clip of the motion plays: in time, in space, and mirrored."""
 
 import math
 import re
@@ -26,12 +26,12 @@ from studio.core.rotations import multiply
 FloatArray = NDArray[np.float64]
 KeysKind = TypeVar("KeysKind", bound=Keys)
 
-COMING = 0.2
-"""Seconds in which a constraint that is active at a clip's end fades in or out."""
-NEVER = ActivationCurve(-10.0, -10.0, -10.0, -10.0)
+BOUNDARY_FADE_SECONDS = 0.2
+"""Seconds in which a constraint that is active at a clip's begin or end fades in or out."""
+NEVER_ACTIVE = ActivationCurve(-10.0, -10.0, -10.0, -10.0)
 """Activation of a constraint that is never active: it lies before all motions."""
-ACROSS_Y: Vector = (1.0, -1.0, 1.0)
-"""Signs of the axes in the mirror image of a motion."""
+Y_MIRROR_SIGNS: Vector = (1.0, -1.0, 1.0)
+"""Signs of the axes in the mirror image of a motion, which negates y."""
 _HINGED = ("upper_arm", "forearm", "hand", "thigh", "shank")
 """Segments whose x axis is a hinge, which a mirror reverses."""
 _SWAPPED = {Arms.LEFT: Arms.RIGHT, Arms.RIGHT: Arms.LEFT, Arms.BOTH: Arms.BOTH}
@@ -41,9 +41,9 @@ _SWAPPED = {Arms.LEFT: Arms.RIGHT, Arms.RIGHT: Arms.LEFT, Arms.BOTH: Arms.BOTH}
 class ClipTransform:
     """Transform from a motion to where a clip of it plays.
 
-    Second t becomes ``begin`` and what the motion plays until then at ``speed``. A position is mirrored (y becomes -y)
-    if ``mirrored``, rotated by ``turn`` radians about Z and moved by ``shift`` metres; offsets in leg lengths are not
-    moved. Constraints are active from ``first`` to ``last`` seconds.
+    Motion second 0 becomes stage second ``begin``, and the motion plays at ``speed`` from there. A position is mirrored
+    (y becomes -y) if ``mirrored``, rotated by ``turn`` radians about Z and moved by ``shift`` metres; offsets in leg
+    lengths are not moved. Constraints are active from ``first`` to ``last`` seconds.
     """
 
     begin: float
@@ -55,21 +55,25 @@ class ClipTransform:
     last: float
 
     def goes_on_in(self, after: "ClipTransform", pause: float) -> bool:
-        """True if a clip that starts no more than ``pause`` seconds later continues this one."""
+        """True if the clip of ``after`` continues the motion of this clip and starts at most ``pause`` seconds after
+        its end.
+        """
         ours, others = (np.array([each.begin, each.turn, *each.shift, each.mirrored]) for each in (self, after))
         alike = self.speed == after.speed and np.allclose(ours, others, rtol=0.0, atol=1e-4)
         return self.adjoins(after, pause) and bool(alike)
 
     def adjoins(self, after: "ClipTransform", pause: float) -> bool:
-        """True if a clip starts no more than ``pause`` seconds after this one, on the same side of the mirror."""
+        """True if the clip of ``after`` starts at most ``pause`` seconds after this one ends, and both or neither are
+        mirrored.
+        """
         return -1e-9 <= after.first - self.last <= pause and self.mirrored == after.mirrored
 
     def stage_times(self, times: ArrayLike) -> FloatArray:
-        """Seconds on the stage for seconds of the motion."""
+        """Stage seconds at ``times`` in motion seconds."""
         return self.begin + playing_seconds(self.speed, times)
 
     def retimed_keys(self, keyed: KeysKind, change: Callable[[FloatArray], FloatArray]) -> KeysKind:
-        """``keyed`` with its free tangents transformed by ``change``, and steepened by the playing speed."""
+        """Keys whose free tangents are transformed by ``change`` and multiplied by the playing speed."""
 
         def changed(tangents: Tangents | None, speed: float) -> Tangents | None:
             return tangents.with_rates(lambda rate: change(rate) * speed) if tangents else None
@@ -86,17 +90,17 @@ class ClipTransform:
         return float((last - first) / (self.last - self.first)) if self.last > self.first else 1.0
 
     def directions(self, vectors: ArrayLike) -> FloatArray:
-        """Vectors (..., 3), rotated and mirrored."""
+        """Transformed vectors (..., 3): mirrored and rotated."""
         c, s = np.cos(self.turn), np.sin(self.turn)
         seen = np.asarray(vectors, dtype=np.float64) * [1.0, -1.0 if self.mirrored else 1.0, 1.0]
         return np.asarray(seen @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]))
 
     def positions(self, places: ArrayLike) -> FloatArray:
-        """Positions (..., 3) in metres."""
+        """Transformed positions (..., 3) in metres."""
         return np.asarray(self.directions(places) + np.array([*self.shift, 0.0]))
 
     def rotations(self, turns: ArrayLike, part: BodyPart) -> FloatArray:
-        """Rotations (..., 4) of a segment."""
+        """Transformed rotations (..., 4) of a segment."""
         seen = np.asarray(turns, dtype=np.float64)
         if self.mirrored:
             seen = seen * [-1.0, 1.0, -1.0, 1.0]
@@ -105,21 +109,21 @@ class ClipTransform:
         return multiply(np.array([0.0, 0.0, np.sin(self.turn / 2), np.cos(self.turn / 2)]), seen)
 
     def own_rates(self, rates: ArrayLike, part: BodyPart) -> FloatArray:
-        """(..., 3) radians a second of a segment about its own axes."""
+        """Transformed rotation rates (..., 3), radians per second, of a segment about its own axes."""
         seen = np.asarray(rates, dtype=np.float64)
         if not self.mirrored:
             return seen
         return seen * ([1.0, -1.0, -1.0] if is_hinged(part) else [-1.0, 1.0, -1.0])
 
     def own_turn(self, turn: Quaternion, part: BodyPart) -> Quaternion:
-        """Rotation in the axes of a segment; of the other side's in a mirror."""
+        """Transformed rotation in the axes of a segment; in a mirror, of the segment of the other side."""
         if not self.mirrored:
             return turn
         x, y, z, w = turn
         return (x, -y, -z, w) if is_hinged(part) else (-x, y, -z, w)
 
     def body_point(self, point: BodyPoint) -> BodyPoint:
-        """Point of the body; of the other side in a mirror."""
+        """Transformed point of the body; in a mirror, that of the other side."""
         if not self.mirrored:
             return point
         x, y, z = point.offset
@@ -133,14 +137,14 @@ def is_hinged(part: BodyPart) -> bool:
 
 
 def other_side(part: BodyPart) -> BodyPart:
-    """Part of the other side; a part in the middle stays."""
+    """Body part of the other side; a part in the middle is unchanged."""
     swaps = {"left": "right", "right": "left"}
     side, _, rest = part.value.partition("_")
     return BodyPart(f"{swaps[side]}_{rest}") if side in swaps else part
 
 
 def constraint_on_clip(constraint: Constraint, carry: ClipTransform) -> Constraint:
-    """``constraint`` transformed to where a clip of its motion plays; it still follows other performers and props."""
+    """Constraint transformed to where a clip of its motion plays; it still follows the same performers and props."""
     changes: dict[str, Any] = {
         "point": carry.body_point(constraint.point),
         "chain": _chain(constraint.chain, carry),
@@ -154,15 +158,15 @@ def constraint_on_clip(constraint: Constraint, carry: ClipTransform) -> Constrai
     return replace(constraint, **changes, **constraint.carried(carry))
 
 
-MIRROR = ClipTransform(0.0, 1.0, 0.0, (0.0, 0.0), True, -math.inf, math.inf)
+MIRROR_TRANSFORM = ClipTransform(0.0, 1.0, 0.0, (0.0, 0.0), True, -math.inf, math.inf)
 """Transform from a motion to its mirror image, and back."""
 _SIDE_WORDS = {"left": "right", "right": "left", "Left": "Right", "Right": "Left"}
 _SIDE_WORD = re.compile(rf"\b({'|'.join(_SIDE_WORDS)})\b")
 
 
 def mirrored_constraint(constraint: Constraint) -> Constraint:
-    """``constraint`` in the mirror image of its motion; its name says the other side where it says one."""
-    return replace(constraint_on_clip(constraint, MIRROR), name=swapped_sides(constraint.name))
+    """Constraint for the mirror image of its motion; a side in its name is exchanged."""
+    return replace(constraint_on_clip(constraint, MIRROR_TRANSFORM), name=swapped_sides(constraint.name))
 
 
 def swapped_sides(name: str) -> str:
@@ -183,7 +187,7 @@ def _value(name: str, value: Any, constraint: Constraint, carry: ClipTransform) 
             )
         case KeyedTurn():
             if name == "tilt":
-                mirrored = reflected_tilt(value, ACROSS_Y) if _is_heading_mirrored(constraint, carry) else value
+                mirrored = reflected_tilt(value, Y_MIRROR_SIGNS) if _is_heading_mirrored(constraint, carry) else value
                 return replace(carry.retimed_keys(mirrored, np.asarray), times=_keys(value, carry))
             quaternions = carry.rotations(value.values, constraint.point.part)
             turned = carry.retimed_keys(value, lambda rate: carry.own_rates(rate, constraint.point.part))
@@ -236,7 +240,7 @@ def _plain(name: str, value: Any, constraint: Constraint, carry: ClipTransform) 
     if name == "heading":
         return _heading(value, constraint, carry)
     if name == "tilt":
-        return reflected_tilt(value, ACROSS_Y) if _is_heading_mirrored(constraint, carry) else value
+        return reflected_tilt(value, Y_MIRROR_SIGNS) if _is_heading_mirrored(constraint, carry) else value
     if name == "size" and isinstance(constraint, AreaConstraint) and constraint.shape is AreaShape.HALF_SPACE:
         x, y, z = value
         return (x, -y, z) if carry.mirrored else value
@@ -248,14 +252,14 @@ def _plain(name: str, value: Any, constraint: Constraint, carry: ClipTransform) 
 
 
 def _heading(heading: float, constraint: Constraint, carry: ClipTransform) -> float:
-    """Heading, mirrored if the clip is; rotated with the clip unless the centre follows something."""
+    """Heading, mirrored if the clip is, and rotated with the clip unless the centre follows an object."""
     follows = isinstance(getattr(constraint, "centre", None), FOLLOWS)
     seen = -heading if _is_heading_mirrored(constraint, carry) else heading
     return seen if follows else seen + carry.turn
 
 
 def reflected_tilt(tilt: Quaternion | KeyedTurn, signs: Vector) -> Any:
-    """Rotation of an area in a mirror with the ``signs`` of the axes."""
+    """Rotation of a volume in a mirror with the ``signs`` of the axes."""
     axes = -np.array(signs)
     if isinstance(tilt, KeyedTurn):
         values = _tuples(np.array(tilt.values) * [*axes, 1.0])
@@ -277,18 +281,18 @@ def _chain(chain: Chain, carry: ClipTransform) -> Chain:
 def _activation(curve: ActivationCurve, carry: ClipTransform) -> ActivationCurve:
     """Activation limited to the clip: a curve that starts before the clip fades in at its begin.
 
-    ``NEVER`` if there is no time to fade in and out, or other clips cover this one.
+    It is ``NEVER_ACTIVE`` if there is no time to fade in and out, or if other clips cover this one.
     """
     if carry.last < carry.first:
-        return NEVER
+        return NEVER_ACTIVE
     start, full, full_end, end = carry.stage_times(curve.times).tolist()
-    coming = min(COMING, (carry.last - carry.first) / 2)
+    coming = min(BOUNDARY_FADE_SECONDS, (carry.last - carry.first) / 2)
     if start < carry.first:
         start, full = carry.first, max(full, carry.first + coming)
     if end > carry.last:
         full_end, end = min(full_end, carry.last - coming), carry.last
     if full > full_end + 1e-9:
-        return NEVER
+        return NEVER_ACTIVE
     times = np.maximum.accumulate([start, full, full_end, end]).tolist()
     return curve.with_times(*times)
 

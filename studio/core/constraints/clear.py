@@ -1,4 +1,4 @@
-"""Self-collision: hands, forearms and elbows stay out of trunk, head and thighs."""
+"""Arm clearance constraints: hands, forearms and elbows stay out of trunk, head and thighs."""
 
 import math
 from dataclasses import dataclass
@@ -22,11 +22,11 @@ class Arms(StrEnum):
 
 @dataclass(frozen=True)
 class ClearConstraint(Constraint):
-    """``arms`` keep ``margin`` metres away from the body, or touch it where the actor touches its own.
+    """Constraint that keeps ``arms`` ``margin`` metres away from the body, except where the actor touches the own body.
 
     ``point`` is not used. Of the chain only the limb counts: at 1 the wrist moves and the elbow swivels about the line
     from shoulder to wrist, at 0 only the elbow swivels. The residual is the penetration of the margin. Raises
-    ValueError for a margin that is below zero or wider than a body.
+    ValueError for a margin below zero or wider than a body.
     """
 
     kind: ClassVar[str] = "clear"

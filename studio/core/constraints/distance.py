@@ -1,4 +1,4 @@
-"""Distance between two points of the body, or one and a fixed position."""
+"""Distance constraints between two points of a body, or one point and a position."""
 
 import math
 from dataclasses import dataclass
@@ -13,11 +13,11 @@ from studio.core.plausible import PLACE_RANGE
 
 @dataclass(frozen=True)
 class DistanceConstraint(Constraint):
-    """``point`` is to be ``distance`` metres from ``other``, a point of the same body or a place outside (fixed,
-    keyed, followed).
+    """Constraint that keeps ``point`` at ``distance`` metres from ``other``.
 
-    Zero makes them touch: a clap, both hands on a box of any size, a hand on the own thigh. Raises ValueError for a
-    distance below zero or a point with itself.
+    ``other`` is a point of the same body, or a fixed, keyed or followed position. A distance of zero makes the points
+    touch: a clap, both hands on a box of any size, a hand on the own thigh. Raises ValueError for a distance below zero
+    or between a point and itself.
     """
 
     kind: ClassVar[str] = "distance"

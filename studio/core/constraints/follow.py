@@ -1,7 +1,7 @@
-"""Followed targets: a point of the same body, of another performer, a prop, a joint of the capture.
+"""Followed targets: a point of the same body, of another performer, of a prop, or a joint of the capture.
 
-Each is a place and a rotation fixed to the thing. A position, the outside of a distance or the centre of an area takes
-the place; an orientation takes the rotation, an area's heading its turn about Z.
+Each has a position and a rotation fixed to the object. A position, the outside of a distance and the centre of a volume
+use the position; an orientation uses the rotation, and the heading of a volume its rotation about Z.
 """
 
 from dataclasses import dataclass, field
@@ -9,14 +9,14 @@ from typing import ClassVar
 
 from studio.core.constraints.base import BodyPoint, Vector, finite_vector
 from studio.core.curves.keyed import Quaternion, unit_quaternion
-from studio.core.curves.tangents import SPARSE
+from studio.core.curves.tangents import LEFT_OUT_IF_DEFAULT
 
 UNTURNED: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True)
 class FollowBody:
-    """``point`` of the same body, where the adapted motion has it; ``turn`` counts in the axes of its segment."""
+    """Target: ``point`` of the same adapted body; ``turn`` is a rotation in the axes of its segment."""
 
     kind: ClassVar[str] = "follow_body"
     point: BodyPoint
@@ -28,10 +28,10 @@ class FollowBody:
 
 @dataclass(frozen=True)
 class FollowPerformer:
-    """``point`` of another performer; for that performer itself it is a point of the same body.
+    """Target: ``point`` of another performer, or of the same body if that is the performer itself.
 
-    With ``awaits`` the target is the position at full activation, before and after it too: a parry meets the blow
-    instead of chasing it.
+    With ``awaits`` the target is the position at full activation, at all times: a parry meets the blow instead of
+    chasing it.
     """
 
     kind: ClassVar[str] = "follow_performer"
@@ -46,11 +46,12 @@ class FollowPerformer:
 
 @dataclass(frozen=True)
 class FollowProp:
-    """Point fixed to a prop, in its axes: ``offset`` metres from its centre plus ``share`` of its half size.
+    """Target: point fixed to a prop, at ``offset`` metres plus ``share`` times its half size from its centre, in its
+    axes.
 
     ``share`` (0, 1, 0) is the middle of its left side, whatever its size. With ``along_arms`` the followed rotation is
-    that of a hand whose fingers are raised and lowered with the arms, as wrists bend only so far, and ``offset`` is in
-    the hand's axes.
+    that of a hand whose fingers are raised and lowered with the arms, because wrists bend only so far, and ``offset``
+    is in the hand's axes.
     """
 
     kind: ClassVar[str] = "follow_prop"
@@ -58,7 +59,7 @@ class FollowProp:
     offset: Vector = (0.0, 0.0, 0.0)
     turn: Quaternion = UNTURNED
     share: Vector = (0.0, 0.0, 0.0)
-    along_arms: bool = field(default=False, metadata=SPARSE)
+    along_arms: bool = field(default=False, metadata=LEFT_OUT_IF_DEFAULT)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "offset", finite_vector(self.offset, "An offset from a prop"))
@@ -68,7 +69,9 @@ class FollowProp:
 
 @dataclass(frozen=True)
 class FollowTracked:
-    """A joint of the capture itself, as it was recorded; ``offset`` in metres and ``turn`` in the joint's axes."""
+    """Target: a joint of the capture itself, as it was recorded; ``offset`` in metres and ``turn`` are in the joint's
+    axes.
+    """
 
     kind: ClassVar[str] = "follow_tracked"
     joint: str

@@ -1,4 +1,4 @@
-"""All kinds of constraint, in the order of menus and forms: those of the studio, and those that plug-ins add."""
+"""Registry of all kinds of constraint, in the order of menus and forms: built-in ones and those that plug-ins add."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -20,35 +20,40 @@ from studio.core.constraints.upright import UprightConstraint
 
 @dataclass(frozen=True)
 class ConstraintKind:
-    """Kind of constraint, built in or of a plug-in: its value, and a part for each view of it.
+    """Kind of constraint, built in or of a plug-in: its record class, and functions that load its solver task and
+    views.
 
-    All parts but the value are functions, so that nothing is loaded before it is needed.
+    Functions are used so that nothing is imported before it is needed.
     """
 
     value: type[Constraint]
     """Frozen dataclass with ``kind``, ``unit`` and ``shown``; fields are plain values, points and targets."""
     task: Callable[[], Any]
-    """``() -> SolverKind``: what the solver does for it, by one of its own tasks; None where it does it without one."""
+    """``() -> SolverKind``: its task in the solver. A function that returns None is for a kind without a task of its
+    own.
+    """
     make: Callable[[Any], Constraint] | None = None
-    """``(here) -> Constraint``: a new one at the picked joint; without it the window adds none."""
+    """``(here) -> Constraint``: makes one at the picked joint; None if the window adds none."""
     editor: Callable[[], Any] | None = None
-    """``() -> type[ConstraintEditor]``: its form; without it, the form that all kinds share."""
+    """``() -> type[ConstraintEditor]``: its form; None for the form that all kinds share."""
     figure: Callable[[Any, Any, float], Any] | None = None
-    """``(constraint, pose, floor) -> HandleShape``: its drawing; without it, the value's ``sketch``."""
+    """``(constraint, pose, floor) -> HandleShape``: its drawing; None for the ``sketch`` of the constraint."""
     target: Callable[[], Any] | None = None
-    """``() -> type[Target]``: its handle; without it, one that moves the value named by ``shown.held_by``."""
+    """``() -> type[Target]``: its handle; None for a handle that moves the field named by ``shown.held_by``."""
 
 
 def _part(module: str, name: str) -> Callable[[], Any]:
-    """Function that returns ``name`` of a module of the studio, which is imported when it is called."""
+    """Function that imports ``module`` of the studio when it is called, and returns its attribute ``name``."""
     return lambda: getattr(import_module(f"studio.{module}"), name)
 
 
 def _built_in(
     value: type[Constraint], *, solved: bool = True, drawn: bool = False, target: str | None = None
 ) -> ConstraintKind:
-    """Built-in kind, whose parts bear its name: ``solved`` by a task, ``drawn`` by a figure of its own, moved by the
-    class ``target``.
+    """Built-in kind, whose modules and classes are found by its name.
+
+    ``solved`` is True if it has a task of its own, ``drawn`` if it has a figure; ``target`` names the class of its
+    handle.
     """
     kind = value.kind
     make, figure = _part("viewport.new_constraints", f"new_{kind}"), _part("viewport.handle_figures", f"{kind}_figure")
@@ -79,7 +84,7 @@ CONSTRAINT_KINDS: dict[str, ConstraintKind] = {each.value.kind: each for each in
 
 
 def add_kind(kind: ConstraintKind) -> ConstraintKind:
-    """Register a kind; raises ValueError if the name is taken."""
+    """Register a kind and return it. Raises ValueError if its name is taken."""
     name = kind.value.kind
     if CONSTRAINT_KINDS.setdefault(name, kind) != kind:
         raise ValueError(f"there is already a constraint of the kind '{name}'.")

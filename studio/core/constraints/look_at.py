@@ -1,4 +1,4 @@
-"""Look-at: a segment, usually the head, faces a target."""
+"""Look-at constraints: a segment, usually the head, faces a target."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -10,8 +10,9 @@ from studio.core.constraints.target import Place, checked_place
 
 @dataclass(frozen=True)
 class LookAtConstraint(Constraint):
-    """The x axis of the segment of ``point``, through the point, passes through ``target``, given as for a
-    position. The default point is between the eyes. The residual is an angle.
+    """Constraint that points the x axis of the segment of ``point``, through this point, at ``target``.
+
+    ``target`` is a fixed, keyed or followed position. The default point is between the eyes. The residual is an angle.
     """
 
     kind: ClassVar[str] = "look_at"
@@ -29,5 +30,5 @@ class LookAtConstraint(Constraint):
         object.__setattr__(self, "target", checked_place(self.target, self, "a target"))
 
 
-EYES = BodyPoint(BodyPart.HEAD, (0.08, 0.0, 0.09))
+EYES_POINT = BodyPoint(BodyPart.HEAD, (0.08, 0.0, 0.09))
 """Point between the eyes of an average head."""

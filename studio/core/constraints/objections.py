@@ -1,4 +1,4 @@
-"""Objections: sentences about constraints that cannot be combined."""
+"""Objections: reasons, in sentences, why constraints cannot be combined."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
@@ -14,15 +14,15 @@ _LIMBS = tuple(
     for bones in (("upper_arm", "forearm", "hand"), ("thigh", "shank", "foot", "toe"))
 )
 _FIELDS_OF_EVERY_KIND = {"motion_id", "scope", "name", "chain", "priority", "activation", "enabled", "weight"}
-"""Values that say nothing about what is asked."""
+"""Fields that do not describe the target of a constraint."""
 _MANY = {"area", "clear"}
-"""Kinds of which a point may have several at once."""
+"""Kinds of which one point may have several at once."""
 _BLENDED = {"position", "orientation"}
 """Kinds whose targets are blended by weight."""
 
 
 def objection(constraint: Constraint, others: Iterable[Constraint]) -> str | None:
-    """Reason why ``constraint`` cannot be combined with ``others`` of its motion; None if it can."""
+    """Sentence that says why ``constraint`` cannot be combined with ``others`` of its motion; None if it can."""
     if not constraint.enabled:
         return None
     if is_stuck(constraint):
@@ -64,7 +64,7 @@ def objection(constraint: Constraint, others: Iterable[Constraint]) -> str | Non
 
 
 def is_stuck(constraint: Constraint) -> bool:
-    """True if no movable part of the chain moves the point or the other end."""
+    """True if no movable part of the chain can move the point, or the other end of a distance."""
     if constraint.kind in ("balance", "clear"):
         return False
     other = getattr(constraint, "other", None)
@@ -93,7 +93,7 @@ def _moves(chain: Chain, part: BodyPart) -> bool:
 
 
 def _carries_its_goal(constraint: Constraint) -> bool:
-    """True if a point on a limb follows a point further out on the same limb."""
+    """True if a point on a limb follows a point farther out on the same limb."""
     followed, own = _followed(constraint), constraint.point
     if followed is None or constraint.kind != "position":
         return False
@@ -105,13 +105,13 @@ def _carries_its_goal(constraint: Constraint) -> bool:
 
 
 def objections(constraints: Sequence[Constraint]) -> list[str]:
-    """Objections to a whole set, each pair once."""
+    """Objections to a set of constraints, each pair once."""
     found = (objection(each, constraints[:place]) for place, each in enumerate(constraints))
     return [sentence for sentence in found if sentence]
 
 
 def _rivals(first: Constraint, second: Constraint) -> bool:
-    """True for two constraints of one kind and priority on one subject, fully active at the same time."""
+    """True if two constraints of one kind and priority act on one subject and are fully active at the same time."""
     if first.kind != second.kind or first.priority != second.priority or _about(first) != _about(second):
         return False
     a, b = first.activation, second.activation
@@ -120,15 +120,16 @@ def _rivals(first: Constraint, second: Constraint) -> bool:
 
 
 def blended_thing(constraint: Constraint) -> object:
-    """Kind, and point or segment, for which several targets of one priority are blended by weight; None for other kinds
-    and for targets on the own body.
+    """Kind of constraint and point or segment whose targets of equal priority are blended by weight.
+
+    None for other kinds, and for targets on the own body.
     """
     is_blended = constraint.kind in _BLENDED and _followed(constraint) is None
     return (constraint.kind, _about(constraint)) if is_blended else None
 
 
 def are_blended(first: Constraint, second: Constraint) -> bool:
-    """True for two constraints whose targets are blended by weight if their priorities are equal."""
+    """True if the targets of two constraints are blended by weight when their priorities are equal."""
     thing = blended_thing(first)
     return thing is not None and thing == blended_thing(second)
 
@@ -138,7 +139,7 @@ def _is_keyed(*weights: float | KeyedNumber) -> bool:
 
 
 def _about(constraint: Constraint) -> object:
-    """Subject of a constraint on the body."""
+    """Subject of a constraint: the point, segment or other part of the body that it concerns."""
     other = getattr(constraint, "other", None)
     match constraint.kind:
         case "balance":
@@ -157,7 +158,9 @@ def _asked(constraint: Constraint) -> tuple[object, ...]:
 
 
 def _follow_cycle(constraint: Constraint, others: Sequence[Constraint]) -> list[Constraint]:
-    """Constraints, beginning with this one, through which its point follows itself."""
+    """Constraints, beginning with ``constraint``, through which its point follows itself; empty if there is
+    no cycle.
+    """
     way, found = [constraint], _followed(constraint)
     while found is not None:
         if _same_point(found, constraint):

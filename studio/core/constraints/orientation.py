@@ -1,4 +1,4 @@
-"""Orientation: a segment of the body is rotated to a target."""
+"""Orientation constraints: a segment of the body is rotated to a target."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -9,9 +9,10 @@ from studio.core.constraints.target import Turn, checked_turn
 
 @dataclass(frozen=True)
 class OrientationConstraint(Constraint):
-    """The segment of ``point`` takes the rotation ``target`` (x, y, z, w), in the space of the motion.
+    """Constraint that gives the segment of ``point`` the rotation ``target``, a quaternion (x, y, z, w) in motion
+    space.
 
-    It may be keyed, or follow the rotation of another object. Raises ValueError if the four numbers are no rotation.
+    The target may be keyed, or follow the rotation of an object. Raises ValueError if the four numbers are no rotation.
     The residual is an angle.
     """
 

@@ -1,4 +1,4 @@
-"""Per-character positions: a point of the grounded body at one time, before any constraint; and keys from there."""
+"""Per-character positions: a point of the grounded body at one time, before constraints; and keys relative to it."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -11,9 +11,10 @@ from studio.core.plausible import TIME_RANGE
 
 @dataclass(frozen=True)
 class OwnPlace:
-    """Position of ``point`` of the grounded body at ``time`` (seconds of the motion), before constraints, so that a
-    body with longer steps has it farther along. ``offset`` from there is in leg lengths of the body (thigh and
-    shank), as its travel is; ``own`` are further offsets of single performers, by id.
+    """Position relative to ``point`` of the grounded body at ``time`` (motion seconds), before constraints.
+
+    It differs between bodies: one with longer steps has it farther along. ``offset`` is in leg lengths of the body
+    (thigh and shank), as its travel is; ``own`` are further offsets of single performers, by id.
     """
 
     kind: ClassVar[str] = "own_place"
@@ -33,34 +34,32 @@ class OwnPlace:
             raise ValueError("A per-character target has two offsets for one character. Keep one of them.")
 
     def of(self, performer_id: str) -> Self:
-        """Position of one performer: with its own offset added, and without those of others."""
+        """Position for one performer: its own offset is added, and those of others are dropped."""
         if not self.own:
             return self
         own = dict(self.own).get(performer_id)
         return replace(self, offset=_sum(self.offset, own) if own else self.offset, own=())
 
     def with_own(self, performer_id: str, offset: Vector | None) -> Self:
-        """Copy with another own offset of a performer, or none."""
+        """Copy with ``offset`` as the own offset of a performer; None removes it."""
         rest = tuple((key, each) for key, each in self.own if key != performer_id)
         return replace(self, own=rest if offset is None else (*rest, (performer_id, offset)))
 
     def moved(self, performer_id: str, further: Vector) -> Self:
-        """Copy moved by ``further``, in leg lengths: only for a performer with an offset of its own, else for all
-        performers.
-        """
+        """Copy moved by ``further``, in leg lengths: for that performer only if it has an own offset, else for all."""
         own = dict(self.own).get(performer_id)
         if own is None:
             return replace(self, offset=_sum(self.offset, further))
         return self.with_own(performer_id, _sum(own, further))
 
     def keyed(self, seconds: float) -> "KeyedOwnPlace":
-        """Keyed copy with one key at ``seconds`` and no offset: every body keeps its own position."""
+        """Keyed copy with one key of zero at ``seconds``: every body keeps its own position."""
         return KeyedOwnPlace((seconds,), ((0.0, 0.0, 0.0),), origin=self)
 
 
 @dataclass(frozen=True)
 class KeyedOwnPlace(Line):
-    """Keyed offsets (x, y, z) from each body's own ``origin``, in leg lengths of the body."""
+    """Keyed offsets (x, y, z) from the per-character position ``origin``, in leg lengths of the body."""
 
     kind: ClassVar[str] = "keyed_own_place"
     size: ClassVar[int] = 3
@@ -69,7 +68,7 @@ class KeyedOwnPlace(Line):
     origin: OwnPlace = field(kw_only=True)
 
     def own_at(self, seconds: float) -> OwnPlace:
-        """Per-character position that the keys have at ``seconds``."""
+        """Per-character position with the offset of the keys at ``seconds``."""
         return replace(self.origin, offset=_sum(self.origin.offset, self.value_at(seconds)))
 
     def moved_at(self, seconds: float, performer_id: str, further: Vector) -> Self:

@@ -1,4 +1,4 @@
-"""Keep parallel: axes of two segments of a body point in the same direction, as feet that stay aligned."""
+"""Parallel constraints: axes of two segments of a body point in the same direction, as feet that stay aligned."""
 
 import math
 from dataclasses import dataclass
@@ -13,17 +13,18 @@ from studio.core.constraints.base import BodyPoint, Constraint, KindInfo, Vector
 if TYPE_CHECKING:
     from studio.core.constraints.carried_over import ClipTransform
 
-AXIS_DRAWN = 0.25
-"""Length in metres of the drawn axis."""
+PARALLEL_AXIS_METRES = 0.25
+"""Length in metres of the axis in the 3D view."""
 
 
 @dataclass(frozen=True)
 class ParallelConstraint(Constraint):
-    """``axis`` of the segment of ``point`` leans no further than ``cone`` radians from ``other_axis`` of the segment of
-    ``other``, each in the axes of its own segment.
+    """Constraint that keeps ``axis`` of one segment within ``cone`` radians of ``other_axis`` of the segment of
+    ``other``.
 
-    The segment rotates freely about the axis. The residual is an angle. Raises ValueError for an axis without a length,
-    a segment with itself, and a cone below zero or of half a turn and more.
+    The first segment is that of ``point``; each axis is in the axes of its own segment. The segment rotates freely
+    about the axis. The residual is an angle. Raises ValueError for an axis without length, a segment with itself, and a
+    cone below zero or of at least half a turn.
     """
 
     kind: ClassVar[str] = "parallel"
@@ -53,18 +54,18 @@ class ParallelConstraint(Constraint):
             raise ValueError(f"'{self.name}': the maximum angle must be between 0 and π radians, not {self.cone}.")
 
     def carried(self, carry: "ClipTransform") -> dict[str, Any]:
-        """Both axes, of the other sides' segments in a mirror."""
+        """Both axes, by field name, transformed by ``carry``; in a mirror, for the segments of the other sides."""
         return {
             "axis": carry.body_point(BodyPoint(self.point.part, self.axis)).offset,
             "other_axis": carry.body_point(BodyPoint(self.other.part, self.other_axis)).offset,
         }
 
     def sketch(self, position: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-        """The axis at its point."""
-        return (np.stack([position, position + AXIS_DRAWN * (turn @ np.array(self.axis))]),)
+        """Line of the axis at its point."""
+        return (np.stack([position, position + PARALLEL_AXIS_METRES * (turn @ np.array(self.axis))]),)
 
     def lean(self, turns: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Angle (F,) in radians beyond the cone, for both segments' rotations (F, 3, 3)."""
+        """Angles (F,) in radians between the axes, beyond the cone, for rotations (F, 3, 3) of both segments."""
         axes, along = turns @ np.array(self.axis), others @ np.array(self.other_axis)
         leans = np.arctan2(np.linalg.norm(np.cross(axes, along), axis=1), np.sum(axes * along, axis=1))
         return np.asarray(np.maximum(leans - self.cone, 0.0))

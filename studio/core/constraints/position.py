@@ -1,4 +1,4 @@
-"""Position: a point of the body at a target."""
+"""Position constraints: a point of the body moves to a target."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -9,7 +9,9 @@ from studio.core.constraints.target import Place, checked_place
 
 @dataclass(frozen=True)
 class PositionConstraint(Constraint):
-    """``point`` moves to ``target``: a position in the space of the motion, keyed positions, or a followed object."""
+    """Constraint that moves ``point`` to ``target``: a position in motion space, keyed positions, or a
+    followed object.
+    """
 
     kind: ClassVar[str] = "position"
     shown: ClassVar[KindInfo] = KindInfo(

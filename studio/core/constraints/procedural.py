@@ -1,4 +1,4 @@
-"""Positions that move by a rule: on a circle, as a pendulum, or at random.
+"""Procedural target positions: on a circle, as a pendulum, or at random.
 
 Each is a function of time, so that frames may be evaluated in any order.
 """
@@ -14,21 +14,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from studio.core.constraints.base import Vector, finite_vector
 from studio.core.constraints.own_place import OwnPlace
-from studio.core.curves.tangents import SPARSE
-from studio.core.plausible import PLACE_RANGE, ROUND, TIME_RANGE, TURN_RANGE
+from studio.core.curves.tangents import LEFT_OUT_IF_DEFAULT
+from studio.core.plausible import CYCLE_RANGE, PLACE_RANGE, TIME_RANGE, TURN_RANGE
 
 FloatArray = NDArray[np.float64]
 
 NOISE_WAVES = 5
-"""Sine waves of which each direction of a noise is made."""
-SLOWEST_WAVE = 0.3
-"""Turns of the slowest of them while the fastest does one."""
+"""Number of sine waves that make each coordinate of a noise."""
+SLOWEST_WAVE_FRACTION = 0.3
+"""Frequency of the slowest wave of a noise as a fraction of the fastest."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ProceduralPosition(ABC):
-    """Base class of procedural target paths: ``centre`` in metres, period in ``seconds``, phase zero at ``since``
-    seconds.
+    """Base class of procedural target paths about ``centre`` (metres), with a period in ``seconds`` and phase 0 at
+    ``since``.
 
     ``heading`` rotates the whole path about Z, in radians. With an ``origin`` the centre is relative to it, so that
     every body moves about its own position.
@@ -36,19 +36,19 @@ class ProceduralPosition(ABC):
 
     kind: ClassVar[str]
     rounds: ClassVar[float] = 1.0
-    """Number of them that shows the whole path."""
+    """Number of periods that show the whole path."""
     centre: Vector = (0.0, 0.0, 1.0)
     heading: float = 0.0
     seconds: float = 2.0
     since: float = 0.0
-    origin: OwnPlace | None = field(default=None, metadata=SPARSE)
+    origin: OwnPlace | None = field(default=None, metadata=LEFT_OUT_IF_DEFAULT)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "centre", finite_vector(self.centre, "The centre of a procedural target"))
         numbers = [value for value in vars(self).values() if isinstance(value, float | int)]
         if not all(math.isfinite(number) for number in numbers) or self.seconds <= 0.0:
             raise ValueError("A procedural target needs finite numbers and a period greater than 0 seconds.")
-        ROUND.check(self.seconds)
+        CYCLE_RANGE.check(self.seconds)
         TIME_RANGE.check(self.since)
         TURN_RANGE.check(self.heading)
 
@@ -60,17 +60,17 @@ class ProceduralPosition(ABC):
         return np.stack([c * x - s * y, s * x + c * y, z], axis=-1) + self.centre
 
     def path(self, time: float) -> FloatArray:
-        """Path (N, 3) around ``time``."""
+        """Points (N, 3) of the path around ``time``."""
         around = self.rounds * self.seconds / 2.0
         return self.at(np.linspace(time - around, time + around, round(96 * self.rounds) + 1))
 
     def passing(self, position: Vector, time: float) -> Self:
-        """Path translated so that it is at ``position`` at ``time``."""
+        """Path translated so that it passes ``position`` at ``time``."""
         x, y, z = (np.array(self.centre) + position - self.at([time])[0]).tolist()
         return replace(self, centre=(x, y, z))
 
     def mirrored(self) -> Self:
-        """Mirror image, y negated."""
+        """Mirror image of the path, with y negated."""
         x, y, z = self.centre
         return replace(self, centre=(x, -y, z), heading=-self.heading)
 
@@ -81,7 +81,7 @@ class ProceduralPosition(ABC):
 
 @dataclass(frozen=True, kw_only=True)
 class CirclePlace(ProceduralPosition):
-    """Circle of ``radius`` metres, horizontal or tilted by an angle in radians about its starting point."""
+    """Target on a circle of ``radius`` metres, horizontal or tilted by ``tilt`` radians about its starting point."""
 
     kind: ClassVar[str] = "circle"
     radius: float = 0.2
@@ -103,8 +103,8 @@ class CirclePlace(ProceduralPosition):
 
 @dataclass(frozen=True, kw_only=True)
 class PendulumPlace(ProceduralPosition):
-    """End of a pendulum of ``length`` metres that swings by ``angle`` radians to each side; its ``centre`` is the
-    pivot.
+    """Target at the end of a pendulum of ``length`` metres that swings by ``angle`` radians to each side of ``centre``,
+    the pivot.
     """
 
     kind: ClassVar[str] = "pendulum"
@@ -124,8 +124,9 @@ class PendulumPlace(ProceduralPosition):
 
 @dataclass(frozen=True, kw_only=True)
 class NoisePlace(ProceduralPosition):
-    """Smooth noise within ``reach`` metres of the centre, whose fastest wave has a period of ``seconds``; ``seed``
-    selects it.
+    """Target that moves by smooth noise within ``reach`` metres of the centre; ``seed`` selects the noise.
+
+    The fastest wave has a period of ``seconds``.
     """
 
     kind: ClassVar[str] = "noise"
@@ -154,6 +155,6 @@ ProceduralPlace = CirclePlace | PendulumPlace | NoisePlace
 
 @lru_cache(maxsize=256)
 def _waves(seed: int) -> tuple[FloatArray, FloatArray]:
-    """(3, WAVES) frequencies and phases of each direction, in turns; constant for a seed."""
+    """Frequencies and phases (3, WAVES) of each coordinate, in turns; constant for a seed."""
     drawn = np.random.RandomState(seed).random_sample((2, 3, NOISE_WAVES))  # whose numbers never change
-    return SLOWEST_WAVE + (1.0 - SLOWEST_WAVE) * drawn[0], drawn[1]
+    return SLOWEST_WAVE_FRACTION + (1.0 - SLOWEST_WAVE_FRACTION) * drawn[0], drawn[1]

@@ -1,4 +1,4 @@
-"""Keep on rail: a point slides along a line or over a plane, which may move."""
+"""Rail constraints: a point slides along a line or over a plane, which may move."""
 
 import math
 from dataclasses import dataclass, replace
@@ -16,8 +16,8 @@ from studio.core.plausible import PLACE_RANGE
 if TYPE_CHECKING:
     from studio.core.constraints.carried_over import ClipTransform
 
-PATCH_HALF = 0.6
-"""Metres of half the edge of the drawn piece of a plane."""
+PLANE_PATCH_HALF_METRES = 0.6
+"""Half the edge in metres of the drawn piece of a plane."""
 
 
 class RailShape(StrEnum):
@@ -29,11 +29,12 @@ class RailShape(StrEnum):
 
 @dataclass(frozen=True)
 class RailConstraint(Constraint):
-    """``point`` stays on a line through ``centre`` along ``direction``, ``length`` metres long, or on the plane through
-    ``centre`` whose normal is ``direction``.
+    """Constraint that keeps ``point`` on a line of ``length`` metres through ``centre`` along ``direction``, or on a
+    plane.
 
-    Centre and direction are in the motion's space. The rail moves with what its centre follows: the direction tilts
-    with a prop, and rotates about Z with a segment. Raises ValueError for a direction or a line without a length.
+    The plane goes through ``centre`` and has the normal ``direction``. Centre and direction are in motion space. The
+    rail moves with the object that its centre follows: the direction tilts with a prop, and rotates about Z with a
+    segment. Raises ValueError for a direction or a line without length.
     """
 
     kind: ClassVar[str] = "rail"
@@ -60,8 +61,8 @@ class RailConstraint(Constraint):
         PLACE_RANGE.check(self.length, f"'{self.name}': a length")
 
     def carried(self, carry: "ClipTransform") -> dict[str, Any]:
-        """Direction where a clip plays, rotated and mirrored; a direction in a prop's or performer's
-        axes is unchanged.
+        """Direction, by field name, rotated and mirrored by ``carry``; in the axes of a prop or performer it is
+        unchanged.
         """
         if isinstance(self.centre, FollowPerformer | FollowProp):
             return {}
@@ -69,7 +70,7 @@ class RailConstraint(Constraint):
         return {"direction": tuple(seen.directions(self.direction).tolist())}
 
     def nearest(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Nearest positions (..., 3) on a fixed rail to ``places`` (..., 3), in metres."""
+        """Positions (..., 3) on a fixed rail nearest to ``places`` (..., 3), in metres."""
         along, centre = np.array(self.direction), np.array(self.centre)
         heights = (places - centre) @ along
         if self.shape is RailShape.PLANE:
@@ -77,13 +78,13 @@ class RailConstraint(Constraint):
         return np.asarray(centre + np.clip(heights, -self.length / 2, self.length / 2)[..., None] * along)
 
     def sketch(self, position: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
-        """The line, or a piece of the plane and its normal, and the displacement from the point to it."""
+        """Lines of the rail, or of a piece of its plane and the normal, and from the point to the rail."""
         along, centre = np.array(self.direction), np.array(self.centre)
         link = np.stack([position, self.nearest(position)])
         if self.shape is RailShape.LINE:
             return np.stack([centre - self.length / 2 * along, centre + self.length / 2 * along]), link
         first = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
-        first *= PATCH_HALF / np.linalg.norm(first)
+        first *= PLANE_PATCH_HALF_METRES / np.linalg.norm(first)
         second = np.cross(along, first)
         corners = [first + second, second - first, -first - second, first - second, first + second]
         return np.array(corners) + centre, np.stack([centre, centre + 0.25 * along]), link

@@ -7,8 +7,9 @@ from typing import Protocol, TypeVar
 
 @dataclass(frozen=True)
 class Scope:
-    """All performers of the motion if both ids are empty; else one performer, or the clip of that id
-    wherever it plays.
+    """Scope of a constraint or contact: all performers of the motion, one performer, or one clip wherever it plays.
+
+    Both ids are empty for all performers.
     """
 
     performer_id: str = ""
@@ -20,11 +21,11 @@ class Scope:
 
     @property
     def is_narrow(self) -> bool:
-        """True unless it includes all performers of the motion."""
+        """True unless the scope includes all performers of the motion."""
         return bool(self.performer_id or self.clip_id)
 
     def includes(self, performer_id: str, clip_id: str) -> bool:
-        """True if the scope includes that clip as played by that performer."""
+        """True if the scope includes the clip ``clip_id`` as played by the performer."""
         if self.clip_id:
             return self.clip_id == clip_id
         return self.performer_id in ("", performer_id)
@@ -43,19 +44,19 @@ class Scoped(Protocol):
 
     @property
     def scope(self) -> Scope:
-        """Performers or clip to which it applies."""
+        """Performers or clip to which the object applies."""
 
 
 Item = TypeVar("Item", bound=Scoped)
 
 
 def in_scope_of(items: Mapping[str, Item], performer_id: str, clip_id: str) -> dict[str, Item]:
-    """Those of ``items``, by id, whose scope includes a performer and a clip."""
+    """``items``, by id, whose scope includes a performer and a clip."""
     return {key: item for key, item in items.items() if item.scope.includes(performer_id, clip_id)}
 
 
 def narrowest_scoped(items: Mapping[str, Item]) -> dict[str, Item]:
-    """Items of the narrowest scope about each subject: a clip's before a performer's before everyone's."""
+    """Items with the narrowest scope for each subject: a clip's before a performer's before everyone's."""
     ranks = {key: (bool(item.scope.clip_id), bool(item.scope.performer_id)) for key, item in items.items()}
     best = max(ranks.values(), default=None)
     return {key: item for key, item in items.items() if ranks[key] == best}

@@ -1,4 +1,4 @@
-"""Targets of constraints: fixed (plain numbers), keyed, moving by a rule, per character, or following an object."""
+"""Targets of constraints: fixed (plain numbers), keyed, procedural, per character, or following an object."""
 
 from dataclasses import replace
 
@@ -9,13 +9,13 @@ from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.curves.keyed import KeyedPlace, KeyedTurn, Keys, Quaternion, unit_quaternion
 
 Place = Vector | KeyedPlace | KeyedOwnPlace | ProceduralPlace | OwnPlace | Follow
-"""Position in the motion's space, in metres (before a performer's placement)."""
+"""Position in motion space in metres, before the performer's placement on the stage."""
 Turn = Quaternion | KeyedTurn | Follow
-"""Rotation in the motion's space."""
+"""Rotation in motion space."""
 
 
 def checked_place(place: object, constraint: Constraint, what: str) -> Place:
-    """``place`` as a valid value; raises ValueError naming the constraint and ``what``."""
+    """``place`` as a valid position. Raises ValueError, which names the constraint and ``what``."""
     if isinstance(place, KeyedPlace | KeyedOwnPlace | ProceduralPlace | OwnPlace | Follow):
         if isinstance(place, FollowBody) and place.point == constraint.point:
             raise ValueError(f"'{constraint.name}': a point cannot follow itself. Choose another point.")
@@ -24,7 +24,7 @@ def checked_place(place: object, constraint: Constraint, what: str) -> Place:
 
 
 def checked_turn(turn: object, constraint: Constraint) -> Turn:
-    """Valid rotation, checked like ``checked_place``."""
+    """``turn`` as a valid rotation. Raises ValueError, which names the constraint."""
     if isinstance(turn, KeyedTurn | Follow):
         if isinstance(turn, FollowBody) and turn.point.part == constraint.point.part:
             raise ValueError(f"'{constraint.name}': a segment cannot follow itself. Choose another segment.")
@@ -41,28 +41,28 @@ def follows_of(constraint: Constraint) -> list[Follow]:
 
 
 def own_places_of(constraint: Constraint) -> list[OwnPlace]:
-    """All per-character positions of a constraint, origins of keys and rules included."""
+    """All per-character positions of a constraint, with those that are origins of keyed or procedural positions."""
     return [own for value in vars(constraint).values() if (own := own_place_of(value)) is not None]
 
 
 def own_place_of(target: object) -> OwnPlace | None:
-    """Per-character position that is the target, or its origin; None for a target shared by all."""
+    """Per-character position that is the target or its origin; None for a target shared by all characters."""
     own = target if isinstance(target, OwnPlace) else getattr(target, "origin", None)
     return own if isinstance(own, OwnPlace) else None
 
 
 def with_own_place(target: Place, own: OwnPlace) -> Place:
-    """Per-character ``target`` with another position or origin."""
+    """``target`` with its per-character position or origin replaced by ``own``."""
     return replace(target, origin=own) if isinstance(target, KeyedOwnPlace | ProceduralPlace) else own
 
 
 def key_times(constraint: Constraint) -> tuple[float, ...]:
-    """Seconds of all keys of a constraint, in order."""
+    """Times in seconds of all keys of a constraint, ascending."""
     keyed = (value for value in vars(constraint).values() if isinstance(value, Keys))
     return tuple(sorted({time for value in keyed for time in value.times}))
 
 
 def is_moving(constraint: Constraint) -> bool:
-    """True if its target differs between frames."""
+    """True if the target of a constraint differs between frames."""
     own_height = getattr(constraint, "vertical", False)
     return own_height or any(hasattr(value, "kind") for value in vars(constraint).values())

@@ -1,4 +1,4 @@
-"""Keep upright: an axis of a segment points in one direction, as a tray stays level."""
+"""Upright constraints: an axis of a segment points in one direction, as a tray stays level."""
 
 import math
 from dataclasses import dataclass
@@ -12,17 +12,17 @@ from studio.core.constraints.base import BodyPoint, Constraint, KindInfo, Vector
 if TYPE_CHECKING:
     from studio.core.constraints.carried_over import ClipTransform
 
-AXIS_LENGTH, CONE_SIDES = 0.25, 24
-"""Length in metres of the drawn axis, and sides of its cone."""
+UPRIGHT_AXIS_METRES, CONE_SIDES = 0.25, 24
+"""Length in metres of the axis in the 3D view, and number of sides of its cone."""
 
 
 @dataclass(frozen=True)
 class UprightConstraint(Constraint):
-    """An ``axis`` of the segment of ``point``, in the segment's axes, leans no further than ``cone`` radians from a
-    ``direction`` in the space of the motion.
+    """Constraint that keeps ``axis`` of the segment of ``point`` within ``cone`` radians of ``direction``.
 
-    The segment rotates freely about the direction. The residual is an angle. Raises ValueError for an axis or a
-    direction without a length, and for a cone below zero or of half a turn and more.
+    ``axis`` is in the segment's axes, ``direction`` in motion space. The segment rotates freely about the direction.
+    The residual is an angle. Raises ValueError for an axis or direction without length, and for a cone below zero or of
+    at least half a turn.
     """
 
     kind: ClassVar[str] = "upright"
@@ -47,7 +47,7 @@ class UprightConstraint(Constraint):
             raise ValueError(f"'{self.name}': the maximum angle must be between 0 and π radians, not {self.cone}.")
 
     def carried(self, carry: "ClipTransform") -> dict[str, Any]:
-        """Axis and direction where a clip plays, rotated and mirrored."""
+        """Axis and direction, by field name, rotated and mirrored by ``carry``."""
         axis = carry.body_point(BodyPoint(self.point.part, self.axis)).offset
         return {"axis": axis, "direction": tuple(carry.directions(self.direction).tolist())}
 
@@ -58,15 +58,17 @@ class UprightConstraint(Constraint):
         side /= np.linalg.norm(side)
         angles = np.linspace(0.0, 2.0 * np.pi, CONE_SIDES + 1)[:, None]
         ring = np.cos(angles) * side + np.sin(angles) * np.cross(wanted, side)
-        ring = position + AXIS_LENGTH * (np.cos(self.cone) * wanted + np.sin(self.cone) * ring)
-        axis = np.stack([position, position + AXIS_LENGTH * (turn @ np.array(self.axis))])
+        ring = position + UPRIGHT_AXIS_METRES * (np.cos(self.cone) * wanted + np.sin(self.cone) * ring)
+        axis = np.stack([position, position + UPRIGHT_AXIS_METRES * (turn @ np.array(self.axis))])
         spokes = tuple(np.stack([position, ring[k]]) for k in range(0, CONE_SIDES, CONE_SIDES // 4))
         return (
-            (axis, ring, *spokes) if self.cone > 0.0 else (axis, np.stack([position, position + AXIS_LENGTH * wanted]))
+            (axis, ring, *spokes)
+            if self.cone > 0.0
+            else (axis, np.stack([position, position + UPRIGHT_AXIS_METRES * wanted]))
         )
 
     def lean(self, turns: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Lean (F,) in radians beyond the cone, for segments with rotations (F, 3, 3)."""
+        """Angles (F,) in radians of the axis from the direction, beyond the cone, for segment rotations (F, 3, 3)."""
         axes, wanted = turns @ np.array(self.axis), np.array(self.direction)
         leans = np.arctan2(np.linalg.norm(np.cross(axes, wanted), axis=1), axes @ wanted)
         return np.asarray(np.maximum(leans - self.cone, 0.0))

@@ -1,4 +1,4 @@
-"""Activation of a constraint: a curve in time from 0 to 1 and back."""
+"""Activation of a constraint: a curve over time that rises from 0 to 1 and falls back to 0."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -7,7 +7,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from studio.core.curves.tangents import HEAVIEST, LIGHTEST, SPARSE
+from studio.core.curves.tangents import LEAST_TANGENT_WEIGHT, LEFT_OUT_IF_DEFAULT, MOST_TANGENT_WEIGHT
 from studio.core.plausible import TIME_RANGE
 
 
@@ -19,14 +19,16 @@ class EaseShape(StrEnum):
     QUINTIC = "quintic"
 
 
-FULLY_ACTIVE = 1.0 - 1e-9
-"""Least activation of a constraint that is asked for fully."""
-EASE_PEAK = 1.875
-"""Highest slope of a quintic ease."""
+LEAST_FULL_ACTIVATION = 1.0 - 1e-9
+"""Activation from which a constraint counts as fully active."""
+QUINTIC_PEAK_SLOPE = 1.875
+"""Greatest slope of a quintic ease from 0 to 1 over an interval of 1."""
 
 
 def ease(progress: ArrayLike, shape: EaseShape) -> NDArray[np.float64]:
-    """Rise from 0 to 1 over ``progress`` in [0, 1] (clipped): 3t^2-2t^3 for smooth, 6t^5-15t^4+10t^3 for quintic."""
+    """Eased rise from 0 to 1 over ``progress``, clipped to [0, 1]: 3t^2-2t^3 for smooth, 6t^5-15t^4+10t^3
+    for quintic.
+    """
     t = np.minimum(np.maximum(np.asarray(progress, dtype=np.float64), 0.0), 1.0)
     match shape:
         case EaseShape.LINEAR:
@@ -38,9 +40,11 @@ def ease(progress: ArrayLike, shape: EaseShape) -> NDArray[np.float64]:
 
 
 def weighted_progress(progress: ArrayLike, leaving: ArrayLike, arriving: ArrayLike) -> NDArray[np.float64]:
-    """Progress in [0, 1] with a slower start for a greater weight ``leaving``, and a slower end for a greater weight
-    ``arriving``, both above 0. The monotone rational quadratic of Gregory and Delbourgo (1982) with the slopes 1 /
-    leaving at 0 and 1 / arriving at 1.
+    """Progress in [0, 1], slower at the start the greater ``leaving`` is, and slower at the end the greater
+    ``arriving`` is.
+
+    Both weights are above 0. This is the monotone rational quadratic of Gregory and Delbourgo (1982) with the slopes 1
+    / leaving at 0 and 1 / arriving at 1.
     """
     t = np.asarray(progress, dtype=np.float64)
     begin, end, rest = 1.0 / np.asarray(leaving), 1.0 / np.asarray(arriving), t * (1.0 - t)
@@ -49,10 +53,11 @@ def weighted_progress(progress: ArrayLike, leaving: ArrayLike, arriving: ArrayLi
 
 @dataclass(frozen=True)
 class ActivationCurve:
-    """0 before ``start``, eased to 1 at ``full``, held to ``full_end``, eased to 0 at ``end`` (seconds).
+    """Curve that is 0 before ``start``, eased to 1 at ``full``, held to ``full_end`` and eased to 0 at ``end``
+    (seconds).
 
-    ``weights`` of the four lengthen the time near 0 or 1 there. Raises ValueError if the four times are not finite or
-    not in order.
+    Each of ``weights`` lengthens the time near 0 or 1 at one of the four times. Raises ValueError if the times are not
+    finite or not in order.
     """
 
     start: float
@@ -60,13 +65,20 @@ class ActivationCurve:
     full_end: float
     end: float
     shape: EaseShape = EaseShape.QUINTIC
-    weights: tuple[float, float, float, float] = field(default=(1.0, 1.0, 1.0, 1.0), kw_only=True, metadata=SPARSE)
+    weights: tuple[float, float, float, float] = field(
+        default=(1.0, 1.0, 1.0, 1.0), kw_only=True, metadata=LEFT_OUT_IF_DEFAULT
+    )
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "shape", EaseShape(self.shape))
         object.__setattr__(self, "weights", tuple(float(weight) for weight in self.weights))
-        if len(self.weights) != 4 or not all(LIGHTEST <= weight <= HEAVIEST for weight in self.weights):
-            raise ValueError(f"An activation has four weights from {LIGHTEST} to {HEAVIEST}, got {self.weights}.")
+        if len(self.weights) != 4 or not all(
+            LEAST_TANGENT_WEIGHT <= weight <= MOST_TANGENT_WEIGHT for weight in self.weights
+        ):
+            raise ValueError(
+                f"An activation has four weights from {LEAST_TANGENT_WEIGHT} to {MOST_TANGENT_WEIGHT}, "
+                f"got {self.weights}."
+            )
         times = self.times
         if not all(math.isfinite(time) for time in times):
             raise ValueError("An activation needs four finite times.")
@@ -94,15 +106,15 @@ class ActivationCurve:
         return ease(np.minimum(rise, fall), self.shape)
 
     def is_whole(self, first: float, last: float) -> bool:
-        """True if it is 1 from ``first`` to ``last`` (seconds)."""
+        """True if the activation is 1 from ``first`` to ``last`` (seconds)."""
         return self.full <= first and last <= self.full_end
 
     def moved(self, seconds: float) -> "ActivationCurve":
-        """Curve shifted ``seconds`` later."""
+        """Curve shifted in time by ``seconds``; positive is later."""
         return self.with_times(*(time + seconds for time in self.times))
 
     def with_weight(self, index: int, weight: float) -> "ActivationCurve":
-        """Copy with another weight of one of its four times."""
+        """Copy with ``weight`` at one of the four times, given by its index."""
         weights = [*self.weights]
         weights[index] = weight
         start, full, full_end, end = weights

@@ -1,10 +1,10 @@
 """Values keyed over time: positions, rotations and numbers, smooth between their keys and constant outside.
 
-Every key is passed along a straight line, its tangent; between two keys the two lines are blended by the quintic ease,
-so that the curve has two continuous derivatives wherever tangents are not broken. A key without ``Tangents`` of its own
-is passed at the slower of the two rates around it, and the more slowly the more the path bends there. The curve is
-local (a key changes at most four intervals) and independent of the axes; two equal keys hold the value; two keys alone
-give the quintic ease.
+At every key the curve follows a straight line, the key's tangent; between two keys their lines are blended by the
+quintic ease, so that the curve has two continuous derivatives wherever tangents are not broken. At a key without
+``Tangents`` of its own the curve takes the slower of the two rates around it, and is slower the more the path bends
+there. The curve is local (a key changes at most four intervals) and independent of the axes. Two equal keys hold the
+value. Two keys alone give the quintic ease.
 """
 
 import math
@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.core.curves.activation import EaseShape, ease, weighted_progress
-from studio.core.curves.tangents import SPARSE, Beyond, Tangents, rates_of
+from studio.core.curves.tangents import LEFT_OUT_IF_DEFAULT, Beyond, Tangents, rates_of
 from studio.core.plausible import PLACE_RANGE, TIME_RANGE
 from studio.core.rotations import from_matrix, unit_vectors
 
@@ -27,19 +27,19 @@ FloatArray = NDArray[np.float64]
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
-SAME_TIME = 1e-4
-"""Seconds; nearer than this two keys are one."""
+SAME_KEY_SECONDS = 1e-4
+"""Distance in seconds below which two keys are one."""
 
 
 def read_only(values: FloatArray) -> FloatArray:
-    """The array itself, protected from changes."""
+    """The array ``values`` itself, made read-only."""
     values.setflags(write=False)
     return values
 
 
 @dataclass(frozen=True)
 class Key:
-    """Key: its time in seconds, its value, and its tangents unless they are automatic."""
+    """Key of a curve: time in seconds, value, and tangents; None for automatic tangents."""
 
     time: float
     value: Any
@@ -48,7 +48,7 @@ class Key:
 
 @dataclass(frozen=True)
 class Keys:
-    """Common part of keyed values: ``times`` in seconds, in increasing order, and as many ``values``.
+    """Base class of keyed values: ``times`` in seconds, ascending, and as many ``values``.
 
     ``tangents`` are empty, or as many as there are keys. ``before`` and ``after`` are the extrapolation before the
     first and after the last key.
@@ -58,9 +58,9 @@ class Keys:
     size: ClassVar[int]
     times: tuple[float, ...]
     values: tuple[Any, ...]
-    tangents: tuple[Tangents | None, ...] = field(default=(), kw_only=True, metadata=SPARSE)
-    before: Beyond = field(default=Beyond.HOLD, kw_only=True, metadata=SPARSE)
-    after: Beyond = field(default=Beyond.HOLD, kw_only=True, metadata=SPARSE)
+    tangents: tuple[Tangents | None, ...] = field(default=(), kw_only=True, metadata=LEFT_OUT_IF_DEFAULT)
+    before: Beyond = field(default=Beyond.HOLD, kw_only=True, metadata=LEFT_OUT_IF_DEFAULT)
+    after: Beyond = field(default=Beyond.HOLD, kw_only=True, metadata=LEFT_OUT_IF_DEFAULT)
 
     def __post_init__(self) -> None:
         times = tuple(float(time) for time in self.times)
@@ -73,7 +73,7 @@ class Keys:
             raise ValueError("The times of keys are finite numbers of seconds.")
         TIME_RANGE.check(times)
         for before, after in pairwise(times):
-            if after - before < SAME_TIME:
+            if after - before < SAME_KEY_SECONDS:
                 raise ValueError(f"Keys must be in the order of their times: {after:.3f} s comes after {before:.3f} s.")
         object.__setattr__(self, "values", self._checked_values())
         self._check_tangents()
@@ -102,7 +102,7 @@ class Keys:
 
     @cached_property
     def seconds(self) -> FloatArray:
-        """(K,) times of the keys."""
+        """Times (K,) of the keys in seconds."""
         return read_only(np.array(self.times))
 
     @property
@@ -113,15 +113,15 @@ class Keys:
 
     def key_at(self, time: float) -> int | None:
         """Index of the key at ``time``; None where there is none."""
-        place = bisect_left(self.times, time - SAME_TIME)
-        return place if place < len(self.times) and self.times[place] <= time + SAME_TIME else None
+        place = bisect_left(self.times, time - SAME_KEY_SECONDS)
+        return place if place < len(self.times) and self.times[place] <= time + SAME_KEY_SECONDS else None
 
     def value_at(self, time: float) -> Any:
-        """Value at ``time``, of the type of a key's value."""
+        """Value at ``time``, in the type of the values of keys."""
         return self._checked(self.at([time])[0])
 
     def at(self, times: ArrayLike) -> FloatArray:
-        """(N, ...) values at ``times`` (N,) seconds."""
+        """Values (N, ...) at ``times`` (N,) seconds."""
         raise NotImplementedError
 
     def with_key(self, time: float, value: Any) -> Self:
@@ -143,15 +143,15 @@ class Keys:
         return self._with(key for place, key in enumerate(self.keys) if place not in places)
 
     def with_times(self, times: Mapping[int, float], speed: float = 1.0) -> Self:
-        """Copy with the keys at some indices at other ``times``, each replacing a key that is there.
+        """Copy with the keys at some indices moved to other ``times``; each replaces a key at that time.
 
-        Their free tangents are steepened by ``speed``, so that keys that are brought nearer keep the shape of the
+        Their free tangents are multiplied by ``speed``, so that keys that move closer together keep the shape of the
         curve.
         """
         if speed == 1.0:
             every = np.array(self.times)
             every[[*times]] = [*times.values()]
-            if (np.diff(every) >= SAME_TIME).all():  # none passes another one
+            if (np.diff(every) >= SAME_KEY_SECONDS).all():  # none passes another one
                 return replace(self, times=tuple(every.tolist()))
         keys = self.keys
         kept = [key for place, key in enumerate(keys) if place not in times]
@@ -162,9 +162,9 @@ class Keys:
         return self._with(kept, moved)
 
     def with_time(self, index: int, time: float) -> Self:
-        """Copy with one key at another ``time``, limited by its neighbours."""
+        """Copy with the key at ``index`` moved to ``time``, at most to its neighbours."""
         times = [-math.inf, *self.times, math.inf]
-        between = max(min(time, times[index + 2] - 2.0 * SAME_TIME), times[index] + 2.0 * SAME_TIME)
+        between = max(min(time, times[index + 2] - 2.0 * SAME_KEY_SECONDS), times[index] + 2.0 * SAME_KEY_SECONDS)
         return replace(self, times=(*self.times[:index], between, *self.times[index + 1 :]))
 
     def with_tangents(self, index: int, tangents: Tangents | None) -> Self:
@@ -174,20 +174,20 @@ class Keys:
         return replace(self, tangents=tuple(every))
 
     def with_rates(self, change: Callable[[FloatArray], FloatArray]) -> Self:
-        """Copy with every rate of a free tangent, (size,) a second, transformed by ``change``."""
+        """Copy with the rate (size,) per second of every free tangent transformed by ``change``."""
         return replace(self, tangents=tuple(each.with_rates(change) if each else None for each in self.tangents))
 
     def moved(self, seconds: float) -> Self:
-        """Copy shifted ``seconds`` later."""
+        """Copy shifted in time by ``seconds``; positive is later."""
         return replace(self, times=tuple(time + seconds for time in self.times))
 
     @classmethod
     def dimension(cls) -> int:
-        """Number of components of a rate: that of a value, three for a rotation."""
+        """Number of components of a rate: as many as a value has, but three for a rotation."""
         return cls.size
 
     def rates(self) -> tuple[FloatArray, FloatArray]:
-        """(K, D) rates a second at which each key is reached, and (K, D) at which it is left."""
+        """Rates (K, D) per second with which the curve arrives at each key, and (K, D) with which it leaves."""
         return self._rates
 
     @cached_property
@@ -200,12 +200,12 @@ class Keys:
         raise NotImplementedError
 
     def _with(self, kept: Iterable[Key], added: Iterable[Key] = ()) -> Self:
-        """Copy with other keys; of two at one time the one that was added last is kept."""
+        """Copy with the keys ``kept`` and ``added``; of two keys at one time the last added stays."""
         keys: list[Key] = []
         ranked = [*((key, False) for key in kept), *((key, True) for key in added)]
         was_added = False
         for key, is_added in sorted(ranked, key=lambda each: each[0].time):
-            if keys and key.time - keys[-1].time < SAME_TIME:
+            if keys and key.time - keys[-1].time < SAME_KEY_SECONDS:
                 if not is_added and was_added:
                     continue
                 keys.pop()
@@ -225,14 +225,14 @@ class Keys:
         t = np.clip(asked, self.times[0], self.times[-1])
         before = np.clip(np.searchsorted(keys, t, "right") - 1, 0, max(len(keys) - 2, 0))
         after = np.minimum(before + 1, len(keys) - 1)
-        progress = (t - keys[before]) / np.maximum(keys[after] - keys[before], SAME_TIME)
+        progress = (t - keys[before]) / np.maximum(keys[after] - keys[before], SAME_KEY_SECONDS)
         share = ease(self._weighted(progress, before, after), EaseShape.QUINTIC)
         if stepped := [place for place, each in enumerate(self.tangents) if each is not None and each.is_stepped]:
             share = np.where(np.isin(before, stepped), (progress >= 1.0).astype(np.float64), share)
         return _KeySpans(before, after, t - keys[before], t - keys[after], share, asked - t)
 
     def _weighted(self, progress: FloatArray, before: NDArray[np.int64], after: NDArray[np.int64]) -> FloatArray:
-        """(N,) progress from a key to the next, delayed by the weights of tangents."""
+        """Progress (N,) from one key to the next, delayed by the weights of the tangents."""
         if not self.tangents:
             return progress
         weights = np.array([(1.0, 1.0) if each is None else each.weights for each in self.tangents])
@@ -240,7 +240,7 @@ class Keys:
         return np.where((leaving == 1.0) & (arriving == 1.0), progress, weighted_progress(progress, leaving, arriving))
 
     def _looped(self, times: FloatArray) -> FloatArray:
-        """(N,) times, those beyond the end of a loop mapped into it."""
+        """Times (N,), of which those beyond the end of a loop are mapped into it."""
         first, length = self.times[0], self.times[-1] - self.times[0]
         if length > 0.0:
             for beyond, outside in ((self.before, times < first), (self.after, times > self.times[-1])):
@@ -249,7 +249,7 @@ class Keys:
         return times
 
     def _continued(self, outside: FloatArray, arriving: FloatArray, leaving: FloatArray) -> FloatArray | None:
-        """(N, D) extrapolated difference from the last key or the first one; None if the value is held there."""
+        """Extrapolated differences (N, D) from the first or last key; None if the value is held there."""
         begins, ends = self.before is Beyond.CONTINUE, self.after is Beyond.CONTINUE
         if not (begins or ends):
             return None
@@ -259,8 +259,10 @@ class Keys:
 
 @dataclass(frozen=True, eq=False)
 class _KeySpans:
-    """Keys around each of N times: the keys before and after, seconds since the one and until the other (negative), the
-    eased fraction, and seconds beyond the last key, or before the first one (negative).
+    """Keys around each of N times: indices of the keys ``before`` and ``after``, and the position between them.
+
+    ``since`` the one and ``until`` the other (negative) are in seconds, ``share`` is the eased fraction, and
+    ``outside`` is in seconds past the last key, or before the first one (negative).
     """
 
     before: NDArray[np.int64]
@@ -275,7 +277,7 @@ class Line(Keys):
     """Keyed vectors of ``size`` numbers."""
 
     def _checked_values(self) -> tuple[Any, ...]:
-        """Values checked all at once, because a recorded take has a key in every frame."""
+        """Values, checked all at once because a recorded take has a key in every frame."""
         if all(type(value) is (float if self.size == 1 else tuple) for value in self.values):
             try:
                 numbers = np.array(self.values, dtype=np.float64).reshape(len(self.values), -1)
@@ -298,7 +300,7 @@ class Line(Keys):
         return np.asarray(between if further is None else between + further)
 
     def path(self, time: float) -> FloatArray:
-        """(N, size) the whole path from the first key to the last; ``time`` is not used."""
+        """Points (N, size) of the whole curve from the first key to the last; ``time`` is not used."""
         return self._path
 
     @cached_property
@@ -307,7 +309,7 @@ class Line(Keys):
 
     @cached_property
     def points(self) -> FloatArray:
-        """(K, size) values of the keys."""
+        """Values (K, size) of the keys."""
         return read_only(np.array(self.values, dtype=np.float64).reshape(-1, self.size))
 
     def _steps(self) -> FloatArray:
@@ -316,7 +318,7 @@ class Line(Keys):
 
 @dataclass(frozen=True)
 class KeyedPlace(Line):
-    """Keyed positions (x, y, z) in metres, motion space."""
+    """Keyed positions (x, y, z) in metres, in motion space."""
 
     size: ClassVar[int] = 3
     times: tuple[float, ...]
@@ -334,7 +336,7 @@ class KeyedNumber(Line):
 
 @dataclass(frozen=True)
 class KeyedTurn(Keys):
-    """Keyed rotations (x, y, z, w) in the motion's space, interpolated along the shorter arc."""
+    """Keyed rotations as quaternions (x, y, z, w) in motion space, interpolated along the shorter arc."""
 
     size: ClassVar[int] = 4
     times: tuple[float, ...]
@@ -344,7 +346,7 @@ class KeyedTurn(Keys):
         return unit_quaternion(super()._checked(value))
 
     def at(self, times: ArrayLike) -> FloatArray:
-        """(N, 3, 3) rotations at ``times`` (N,) seconds."""
+        """Rotation matrices (N, 3, 3) at ``times`` (N,) seconds."""
         from scipy.spatial.transform import Rotation
 
         keys, spans = Rotation.from_quat(np.array(self.values)), self._bracketing_keys(times)
@@ -366,7 +368,7 @@ class KeyedTurn(Keys):
         return matrices
 
     def _vectors(self, spans: _KeySpans) -> FloatArray:
-        """(N, 3) rotation vectors relative to the key before, in its axes: a smooth path of vectors cannot flip."""
+        """Rotation vectors (N, 3) relative to the previous key, in its axes: a smooth path of vectors cannot flip."""
         arriving, leaving = self.rates()
         steps = np.concatenate([self._steps(), np.zeros((1, 3))])
         begin = spans.since[:, None] * leaving[spans.before]
@@ -376,15 +378,15 @@ class KeyedTurn(Keys):
 
     @classmethod
     def dimension(cls) -> int:
-        """Three: radians a second about the axes of the key's rotation."""
+        """Three: radians per second about the axes of the key's rotation."""
         return 3
 
     def value_at(self, time: float) -> Quaternion:
-        """The rotation (x, y, z, w) at ``time``."""
+        """Quaternion (x, y, z, w) at ``time``."""
         return unit_quaternion(from_matrix(self.at([time])[0]))
 
     def _steps(self) -> FloatArray:
-        """(K - 1, 3) rotation vectors of the shorter arc from each key to the next, equal in the axes of both."""
+        """Rotation vectors (K - 1, 3) of the shorter arc from each key to the next, equal in the axes of both."""
         from scipy.spatial.transform import Rotation
 
         keys = Rotation.from_quat(np.array(self.values))
@@ -403,7 +405,9 @@ def _vector_rates(vectors: FloatArray, rates: FloatArray) -> FloatArray:
 
 
 def unit_quaternion(value: ArrayLike) -> Quaternion:
-    """Normalised quaternion of four numbers, see ``unit_vectors``. Raises ValueError if their norm is zero."""
+    """Quaternion scaled to unit length; one of unit length is returned to the bit. Raises ValueError for a norm of
+    zero.
+    """
     numbers = np.array(value, dtype=np.float64)
     length = np.linalg.norm(numbers) if numbers.shape == (4,) and np.isfinite(numbers).all() else 0.0
     if length < 1e-9:

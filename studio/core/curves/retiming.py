@@ -1,5 +1,5 @@
-"""Retiming: conversion between seconds of a motion and of its playback, whose speed may be keyed over the motion's own
-seconds.
+"""Retiming: conversion between motion seconds and playback seconds, at a speed that may be keyed over
+motion seconds.
 """
 
 from functools import lru_cache
@@ -11,21 +11,23 @@ from studio.core.curves.keyed import KeyedNumber
 
 FloatArray = NDArray[np.float64]
 Speed = float | KeyedNumber
-"""Times as fast as it was captured; keyed over the seconds of the motion, it holds before and after its keys."""
+"""Playback speed as a factor on the captured speed; if keyed, over motion seconds, and constant outside its keys."""
 
-SLOWEST_CLIP, FASTEST_CLIP = 0.1, 10.0
-"""Times as fast as it was captured that a clip plays at least and at most, also between keys."""
-RETIMING_STEP, MOST_RETIMING_STEPS = 1.0 / 240.0, 2**14
-"""Seconds of the motion between the nodes of a table, between which time is linear. Between keys that are farther apart
-than so many steps (68 s) the steps are longer: a key far away costs no memory.
+SLOWEST_CLIP_SPEED, FASTEST_CLIP_SPEED = 0.1, 10.0
+"""Least and greatest playback speed of a clip, also between keys, as factors on the captured speed."""
+RETIMING_STEP_SECONDS, MOST_RETIMING_STEPS = 1.0 / 240.0, 2**14
+"""Motion seconds between the nodes of the table of times, which is linear between them, and maximum number of such
+steps between two keys. For keys farther apart (68 s) the steps are longer, so that a distant key costs no memory.
 """
 
 
 def check_speed(speed: Speed) -> None:
-    """Raise ValueError unless a speed, or that of every key, is in the range of clips."""
+    """Raise ValueError unless a speed, or the speed at every key, is in the range of clips."""
     for value in speed.values if isinstance(speed, KeyedNumber) else (speed,):
-        if not SLOWEST_CLIP <= value <= FASTEST_CLIP:
-            raise ValueError(f"A clip's speed lies between {SLOWEST_CLIP:g} and {FASTEST_CLIP:g}, got {value}.")
+        if not SLOWEST_CLIP_SPEED <= value <= FASTEST_CLIP_SPEED:
+            raise ValueError(
+                f"A clip's speed lies between {SLOWEST_CLIP_SPEED:g} and {FASTEST_CLIP_SPEED:g}, got {value}."
+            )
 
 
 def speed_at(speed: Speed, seconds: ArrayLike) -> FloatArray:
@@ -34,11 +36,13 @@ def speed_at(speed: Speed, seconds: ArrayLike) -> FloatArray:
     if not isinstance(speed, KeyedNumber):
         return np.full(times.shape, speed)
     held = np.clip(times, speed.times[0], speed.times[-1])
-    return np.asarray(np.clip(speed.at(held.ravel())[:, 0], SLOWEST_CLIP, FASTEST_CLIP).reshape(times.shape))
+    return np.asarray(
+        np.clip(speed.at(held.ravel())[:, 0], SLOWEST_CLIP_SPEED, FASTEST_CLIP_SPEED).reshape(times.shape)
+    )
 
 
 def playing_seconds(speed: Speed, seconds: ArrayLike) -> FloatArray:
-    """Playback seconds from second 0 of the motion to its ``seconds``, of the same shape."""
+    """Playback seconds from motion second 0 to motion ``seconds``, of the same shape."""
     times = np.asarray(seconds, dtype=np.float64)
     if not isinstance(speed, KeyedNumber):
         return times / speed
@@ -49,7 +53,7 @@ def playing_seconds(speed: Speed, seconds: ArrayLike) -> FloatArray:
 
 
 def motion_seconds(speed: Speed, seconds: ArrayLike) -> FloatArray:
-    """Second of the motion after a playback of ``seconds`` from its second 0 on, of the same shape."""
+    """Motion seconds after playback of ``seconds`` from motion second 0 on, of the same shape."""
     times = np.asarray(seconds, dtype=np.float64)
     if not isinstance(speed, KeyedNumber):
         return times * speed
@@ -62,16 +66,18 @@ def motion_seconds(speed: Speed, seconds: ArrayLike) -> FloatArray:
 def scaled_speed(speed: Speed, factor: float) -> Speed:
     """Speed multiplied by ``factor``, clamped to the range of clips."""
     if not isinstance(speed, KeyedNumber):
-        return float(np.clip(speed * factor, SLOWEST_CLIP, FASTEST_CLIP))
-    values = np.clip(np.array(speed.values) * factor, SLOWEST_CLIP, FASTEST_CLIP)
+        return float(np.clip(speed * factor, SLOWEST_CLIP_SPEED, FASTEST_CLIP_SPEED))
+    values = np.clip(np.array(speed.values) * factor, SLOWEST_CLIP_SPEED, FASTEST_CLIP_SPEED)
     scaled = speed.with_rates(lambda rate: rate * factor)
     return KeyedNumber(speed.times, tuple(values.tolist()), tangents=scaled.tangents)
 
 
 @lru_cache(maxsize=256)
 def _table(speed: KeyedNumber) -> tuple[FloatArray, FloatArray]:
-    """Seconds of the motion (N,) from the first key to the last one, and the playback seconds (N,) until then."""
-    counts = np.clip(np.round(np.diff(speed.times) / RETIMING_STEP), 1, MOST_RETIMING_STEPS).astype(int).tolist()
+    """Motion seconds (N,) from the first key to the last, and the playback seconds (N,) up to each."""
+    counts = (
+        np.clip(np.round(np.diff(speed.times) / RETIMING_STEP_SECONDS), 1, MOST_RETIMING_STEPS).astype(int).tolist()
+    )
     stretches = zip(speed.times[:-1], speed.times[1:], counts, strict=True)
     nodes = np.concatenate([*(np.linspace(*each, endpoint=False) for each in stretches), speed.times[-1:]])
     slowness = 1.0 / speed_at(speed, nodes)

@@ -1,4 +1,4 @@
-"""Tangents of the keys of a curve, and its extrapolation before the first and after the last one."""
+"""Tangents of the keys of a curve, and its extrapolation before the first and after the last key."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 Rate = tuple[float, ...]
 
-SPARSE: Mapping[str, Any] = {"sparse": True}
-"""Metadata of a field that files leave out where it has its default."""
-LIGHTEST, HEAVIEST = 0.05, 20.0
-"""The range of a tangent's weight."""
+LEFT_OUT_IF_DEFAULT: Mapping[str, Any] = {"sparse": True}
+"""Metadata of a field that files leave out if it has its default value."""
+LEAST_TANGENT_WEIGHT, MOST_TANGENT_WEIGHT = 0.05, 20.0
+"""Least and greatest weight of a tangent."""
 
 
 class Beyond(StrEnum):
@@ -30,11 +30,11 @@ class TangentMode(StrEnum):
     """Rule for the slope of a curve at a key."""
 
     AUTO = "auto"
-    """From the keys around it, never beyond their values."""
+    """Slope from the neighbouring keys that never overshoots their values."""
     SMOOTH = "smooth"
-    """Rate of the parabola through the three keys, which may overshoot their values."""
+    """Slope of the parabola through the key and its neighbours, which may overshoot their values."""
     LINEAR = "linear"
-    """Along the straight line to the next key, or from the one before."""
+    """Slope of the straight line to the next key, or from the previous one."""
     FLAT = "flat"
     STEPPED = "stepped"
     """The value holds until the next key."""
@@ -43,7 +43,9 @@ class TangentMode(StrEnum):
 
 @dataclass(frozen=True)
 class Tangent:
-    """One side of a key: a free one has a ``rate`` a second; one with a greater weight is followed for longer."""
+    """One side of a key: a free tangent has a ``rate`` per second; a greater ``weight`` lets the curve follow it for
+    longer.
+    """
 
     mode: TangentMode = TangentMode.AUTO
     rate: Rate = ()
@@ -54,17 +56,19 @@ class Tangent:
         object.__setattr__(self, "rate", tuple(float(number) for number in self.rate))
         if bool(self.rate) != (self.mode is TangentMode.FREE) or not all(map(math.isfinite, self.rate)):
             raise ValueError(f"A free tangent has a rate of finite numbers, any other has none: {self.rate}.")
-        if not LIGHTEST <= self.weight <= HEAVIEST:
-            raise ValueError(f"The weight of a tangent lies from {LIGHTEST} to {HEAVIEST}, got {self.weight}.")
+        if not LEAST_TANGENT_WEIGHT <= self.weight <= MOST_TANGENT_WEIGHT:
+            raise ValueError(
+                f"The weight of a tangent lies from {LEAST_TANGENT_WEIGHT} to {MOST_TANGENT_WEIGHT}, got {self.weight}."
+            )
 
 
 @dataclass(frozen=True)
 class Tangents:
-    """Both sides of a key. Unless they are ``broken``, free ones have the same rate."""
+    """Tangents on both sides of a key. Unless they are ``broken``, free ones have the same rate."""
 
     arriving: Tangent = Tangent()
     leaving: Tangent = Tangent()
-    broken: bool = field(default=False, metadata=SPARSE)
+    broken: bool = field(default=False, metadata=LEFT_OUT_IF_DEFAULT)
 
     def __post_init__(self) -> None:
         if self.arriving.mode is TangentMode.STEPPED:
@@ -73,8 +77,8 @@ class Tangents:
             raise ValueError("The free tangents of a key have the same rate unless they are broken.")
 
     def __bool__(self) -> bool:
-        """True if they differ from those of a key without tangents of its own."""
-        return self != AUTO
+        """True if the tangents differ from automatic ones."""
+        return self != AUTO_TANGENTS
 
     @property
     def is_stepped(self) -> bool:
@@ -88,7 +92,7 @@ class Tangents:
 
     @property
     def rates(self) -> tuple[Rate, ...]:
-        """Rates of the sides that are free."""
+        """Rates of the free sides."""
         return tuple(side.rate for side in (self.arriving, self.leaving) if side.rate)
 
     def with_rates(self, change: Callable[[FloatArray], FloatArray]) -> "Tangents":
@@ -100,11 +104,11 @@ class Tangents:
         return replace(self, arriving=arriving, leaving=leaving)
 
 
-AUTO = Tangents()
+AUTO_TANGENTS = Tangents()
 
 
 def tangents_of(mode: TangentMode, weights: tuple[float, float] = (1.0, 1.0)) -> Tangents:
-    """Tangents of one mode on both sides; a stepped key is reached with an automatic tangent."""
+    """Tangents with one mode on both sides; the arriving side of a stepped key is automatic."""
     arriving = TangentMode.AUTO if mode is TangentMode.STEPPED else mode
     return Tangents(Tangent(arriving, weight=weights[0]), Tangent(mode, weight=weights[1]))
 
@@ -112,8 +116,9 @@ def tangents_of(mode: TangentMode, weights: tuple[float, float] = (1.0, 1.0)) ->
 def rates_of(
     times: FloatArray, steps: FloatArray, tangents: Sequence[Tangents | None], before: Beyond, after: Beyond
 ) -> tuple[FloatArray, FloatArray]:
-    """(K, D) rates a second at which each key is reached and left; ``steps`` (K - 1, D) are the differences from each
-    key to the next.
+    """Rates (K, D) per second with which a curve arrives at each key, and (K, D) with which it leaves.
+
+    ``steps`` (K - 1, D) are the differences from each key to the next.
     """
     auto = _auto_rates(times, steps, before, after)
     if not tangents or not len(steps):
@@ -145,7 +150,7 @@ def _rate(side: Tangent, auto: FloatArray, smooth: FloatArray, slope: FloatArray
 
 
 def _auto_rates(times: FloatArray, steps: FloatArray, before: Beyond, after: Beyond) -> FloatArray:
-    """(K, D) automatic rates a second; zero at both ends if the curve is held there."""
+    """Automatic rates (K, D) per second; zero at both ends if the curve is held there."""
     rates = np.zeros((len(times), steps.shape[1]))
     if len(times) < 2:
         return rates

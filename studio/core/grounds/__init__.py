@@ -1,4 +1,4 @@
-"""Kinds of ground other than the level one, each in its own file."""
+"""Ground under the performers: kinds other than the level one, each in its own file."""
 
 from collections.abc import Mapping
 from types import MappingProxyType

@@ -1,4 +1,4 @@
-"""Rolling ground: smooth bumps everywhere, the same for the same seed."""
+"""Ground with smooth bumps everywhere, determined by a seed."""
 
 import math
 from dataclasses import dataclass
@@ -10,12 +10,14 @@ import numpy as np
 from studio.core.grounds.ground import FloatArray, Ground
 
 GROUND_WAVES = 4
-"""Plane waves of which the ground is the mean; so many that no direction is straight."""
+"""Number of plane waves whose mean is the ground; with this many, no direction has a straight crest."""
 
 
 @dataclass(frozen=True)
 class Bumps(Ground):
-    """Smooth bumps of at most ``amplitude`` metres up and down, about ``wavelength`` metres from crest to crest."""
+    """Ground with smooth bumps of at most ``amplitude`` metres up and down, about ``wavelength`` metres from crest to
+    crest.
+    """
 
     kind: ClassVar[str] = "bumps"
     amplitude: float = 0.08

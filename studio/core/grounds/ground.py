@@ -1,7 +1,7 @@
-"""The ground under the performers: a height and a slope at every position.
+"""Ground under the performers: a height and a slope at every position.
 
-The base class is level. Other kinds (``studio.core.grounds``) derive from it and add to its height; a project has one
-of them.
+The base class is level. Other kinds (``studio.core.grounds``) derive from it and add to its height. A project has one
+ground.
 """
 
 import math
@@ -11,16 +11,16 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from studio.core.plausible import GROUND
+from studio.core.plausible import GROUND_RANGE
 
 FloatArray = NDArray[np.float64]
-LEVEL_WITHIN = 1e-9
-"""Metres by which heights of one level may differ as they are computed."""
+LEVEL_TOLERANCE_METRES = 1e-9
+"""Difference in metres, by rounding, of heights that count as one level."""
 
 
 @dataclass(frozen=True)
 class Ground:
-    """Level floor at ``height`` metres; for other kinds the level from which they rise and sink."""
+    """Level ground at ``height`` metres; for other kinds the level from which they rise and sink."""
 
     kind: ClassVar[str] = "flat"
     height: float = 0.0
@@ -34,7 +34,7 @@ class Ground:
             if isinstance(value, int | float) and not math.isfinite(value):
                 raise ValueError(f"The ground's {field.name} is a finite number of metres, got {value}.")
             if isinstance(value, float | tuple):
-                GROUND.check(value)
+                GROUND_RANGE.check(value)
 
     @property
     def is_level(self) -> bool:
@@ -42,31 +42,33 @@ class Ground:
         return type(self) is Ground
 
     def height_at(self, places: ArrayLike) -> FloatArray:
-        """Height in metres at ``places`` (..., 2 or 3), shape (...)."""
+        """Heights (...) in metres at positions ``places`` (..., 2 or 3)."""
         xy = np.asarray(places, dtype=np.float64)[..., :2]
         return self.height + self.rise_at(xy)
 
     def normal_at(self, places: ArrayLike) -> FloatArray:
-        """Unit normal, up and away from the ground, at ``places`` (..., 2 or 3), shape (..., 3)."""
+        """Unit normals (..., 3), pointing up, at positions ``places`` (..., 2 or 3)."""
         slope = self.slope_at(np.asarray(places, dtype=np.float64)[..., :2])
         normal = np.concatenate([-slope, np.ones((*slope.shape[:-1], 1))], axis=-1)
         return np.asarray(normal / np.linalg.norm(normal, axis=-1, keepdims=True))
 
     def rise_at(self, xy: FloatArray) -> FloatArray:
-        """(...) height in metres above ``height`` at ``xy`` (..., 2)."""
+        """Heights (...) in metres above ``height`` at positions ``xy`` (..., 2)."""
         return np.zeros(xy.shape[:-1])
 
     def slope_at(self, xy: FloatArray) -> FloatArray:
-        """(..., 2) slope, metres per metre along X and Y, at ``xy`` (..., 2)."""
+        """Slopes (..., 2), metres per metre along X and Y, at positions ``xy`` (..., 2)."""
         return np.zeros(xy.shape)
 
-    def nudges(self, soles: FloatArray) -> FloatArray:
-        """Displacements, (N, 2) metres, of soles (N, 3, 2: heel, ball, tip) to better footholds; zero by default."""
+    def foothold_offsets(self, soles: FloatArray) -> FloatArray:
+        """Horizontal displacements (N, 2) in metres of soles (N, 3, 2: heel, ball, tip) to better footholds; zero by
+        default.
+        """
         return np.zeros((len(soles), 2))
 
     def felt_at(self, places: ArrayLike) -> "Ground":
-        """This ground, or a level floor if the ground is level at all ``places`` (..., 2 or 3)."""
-        if self.is_level or np.abs(self.height_at(places) - self.height).max() > LEVEL_WITHIN:
+        """This ground, or a level one if the ground has one height at all positions ``places`` (..., 2 or 3)."""
+        if self.is_level or np.abs(self.height_at(places) - self.height).max() > LEVEL_TOLERANCE_METRES:
             return self
         return Ground(self.height)
 
@@ -75,7 +77,7 @@ class Ground:
         return replace(self, height=height)
 
     def seen_from(self, position: tuple[float, float], heading: float) -> "Ground":
-        """This ground in the axes of a performer at ``position`` (metres), rotated by ``heading`` (radians)."""
+        """This ground in the axes of a performer at ``position`` (metres) with ``heading`` (radians)."""
         return self if self.is_level else PlacedGround(self.height, self, position, heading)
 
 
@@ -97,8 +99,8 @@ class PlacedGround(Ground):
     def slope_at(self, xy: FloatArray) -> FloatArray:
         return self.ground.slope_at(self._outside(xy)) @ self._turn
 
-    def nudges(self, soles: FloatArray) -> FloatArray:
-        return self.ground.nudges(self._outside(soles)) @ self._turn
+    def foothold_offsets(self, soles: FloatArray) -> FloatArray:
+        return self.ground.foothold_offsets(self._outside(soles)) @ self._turn
 
     @property
     def _turn(self) -> FloatArray:

@@ -8,19 +8,21 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from studio.core.grounds.ground import FloatArray, Ground
-from studio.core.plausible import GROUND
+from studio.core.plausible import GROUND_RANGE
 
 if TYPE_CHECKING:
     from scipy.interpolate import RectBivariateSpline
 
-FEWEST = 4
-"""Heights each way that a bicubic spline needs; smaller maps are continued by their edge."""
+LEAST_SPLINE_HEIGHTS = 4
+"""Least number of heights in each direction for a bicubic spline; smaller maps are extended by their edge values."""
 
 
 @dataclass(frozen=True, eq=False)
 class HeightMap(Ground):
-    """``heights`` (X cells, Y cells) metres at points ``cell`` metres apart, the first at ``origin`` (x, y),
-    interpolated by a bicubic spline; outside, the ground continues as at its edge.
+    """Ground through ``heights`` (X cells, Y cells) in metres on a regular grid, interpolated by a bicubic spline.
+
+    The points are ``cell`` metres apart, the first at ``origin`` (x, y). Outside the grid, the ground continues with
+    the heights of its edge.
     """
 
     kind: ClassVar[str] = "height_map"
@@ -33,7 +35,7 @@ class HeightMap(Ground):
         heights = np.array(self.heights, dtype=np.float64)
         if heights.ndim != 2 or min(heights.shape) < 2 or not np.isfinite(heights).all():
             raise ValueError("A height map has at least 2 x 2 finite heights.")
-        GROUND.check(heights)
+        GROUND_RANGE.check(heights)
         if not (self.cell > 0.0 and all(map(math.isfinite, self.origin))):
             raise ValueError("A height map has cells larger than zero and a finite origin.")
         heights.setflags(write=False)
@@ -60,14 +62,16 @@ class HeightMap(Ground):
         return np.where(inside, slopes / self.cell, 0.0)
 
     def _cells(self, xy: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Positions in cells, clamped to the map, and (..., 2) true along the axes where they are inside."""
+        """Positions in units of cells, clamped to the map, and a mask (..., 2) of the axes along which they
+        are inside.
+        """
         cells = (xy - np.array(self.origin)) / self.cell
         held = np.clip(cells, 0.0, np.array(self.heights.shape) - 1.0)
         return held, held == cells
 
     @cached_property
     def _surface(self) -> "RectBivariateSpline":
-        missing = [(0, max(FEWEST - count, 0)) for count in self.heights.shape]
+        missing = [(0, max(LEAST_SPLINE_HEIGHTS - count, 0)) for count in self.heights.shape]
         heights = np.pad(self.heights, missing, mode="edge")
         rows, columns = heights.shape
         from scipy.interpolate import RectBivariateSpline

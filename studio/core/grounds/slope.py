@@ -1,4 +1,4 @@
-"""A plane that rises or falls from a line on the floor."""
+"""Ground that rises or falls as a plane from a line on the floor."""
 
 import math
 from dataclasses import dataclass
@@ -8,14 +8,16 @@ import numpy as np
 
 from studio.core.grounds.ground import FloatArray, Ground
 
-STEEPEST_GROUND = math.radians(60.0)
+STEEPEST_GROUND_RADIANS = math.radians(60.0)
+"""Greatest slope angle in radians."""
 
 
 @dataclass(frozen=True)
 class Slope(Ground):
-    """Level up to the line through ``foot`` (x, y), then rising at ``angle`` towards ``direction``, both radians.
+    """Ground that is level up to the line through ``foot`` (x, y), then rises at ``angle`` towards ``direction``
+    (radians).
 
-    A negative angle goes down. ``direction`` 0 is X, a quarter turn Y.
+    A negative angle goes down. ``direction`` is 0 for X and a quarter turn for Y.
     """
 
     kind: ClassVar[str] = "slope"
@@ -25,7 +27,7 @@ class Slope(Ground):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not (all(map(math.isfinite, self.foot)) and abs(self.angle) <= STEEPEST_GROUND):
+        if not (all(map(math.isfinite, self.foot)) and abs(self.angle) <= STEEPEST_GROUND_RADIANS):
             raise ValueError("A slope has a finite foot and an angle of at most 60 degrees.")
 
     def rise_at(self, xy: FloatArray) -> FloatArray:
@@ -40,5 +42,5 @@ class Slope(Ground):
 
 
 def direction_vector(direction: float) -> FloatArray:
-    """(2,) unit vector at ``direction`` radians from X."""
+    """Unit vector (2,) at ``direction`` radians from X."""
     return np.array([math.cos(direction), math.sin(direction)])

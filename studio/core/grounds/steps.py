@@ -1,4 +1,4 @@
-"""A flight of steps, up or down."""
+"""Ground with a flight of steps, up or down."""
 
 import math
 from dataclasses import dataclass
@@ -9,20 +9,26 @@ import numpy as np
 from studio.core.grounds.ground import FloatArray, Ground
 from studio.core.grounds.slope import direction_vector
 
-GREATEST_NUDGE = 0.06
-"""Greatest displacement of a foot, in metres, to stand on one tread."""
-FULL_NUDGE_RISE = 0.03
-"""Rise in metres from which feet avoid the edges fully; for lower steps less so."""
-RISER_ROOM = 0.02
-"""Metres more that it keeps from the one that rises before it or behind it: it leaves and comes past that."""
-EDGE_ROOM = 0.005
-HALF_WIDTH = 0.035
-"""Metres that a sole keeps from a riser, and half its width."""
+GREATEST_FOOTHOLD_OFFSET = 0.06
+"""Greatest displacement of a foot in metres to stand on one tread."""
+FULL_OFFSET_RISE = 0.03
+"""Rise of a step in metres from which feet are fully displaced from its edges; for lower steps the displacement is
+proportional.
+"""
+RISER_CLEARANCE = 0.02
+"""Further distance in metres that a sole keeps from the riser of the next higher step, which it passes as it leaves or
+arrives.
+"""
+EDGE_CLEARANCE = 0.005
+"""Distance in metres that a sole keeps from the edges of a tread."""
+SOLE_HALF_WIDTH = 0.035
+"""Half width of a sole in metres."""
 
 
 @dataclass(frozen=True)
 class Steps(Ground):
-    """``count`` steps of ``rise`` and ``tread`` metres, the first riser at ``start`` (x, y), towards ``direction``.
+    """Ground with ``count`` steps of ``rise`` and ``tread`` metres towards ``direction`` (radians), the first riser at
+    ``start``.
 
     A negative rise goes down. The ground is level before the first and after the last step.
     """
@@ -42,22 +48,26 @@ class Steps(Ground):
     def rise_at(self, xy: FloatArray) -> FloatArray:
         return np.asarray(self.rise * self._step(self._beyond(xy)))
 
-    def nudges(self, soles: FloatArray) -> FloatArray:
-        """Displacements along the flight, so that heel, ball and tip share a tread, or at least do not
-        cross a riser.
+    def foothold_offsets(self, soles: FloatArray) -> FloatArray:
+        """Displacements (N, 2) along the flight by which heel, ball and tip of a sole share a tread, or at least cross
+        no riser.
         """
         ways = self._beyond(soles)
         line = soles[:, 2] - soles[:, 0]
         length = np.maximum(np.linalg.norm(line, axis=1), 1e-9)
         across = direction_vector(self.direction + math.pi / 2)
         ways = np.column_stack([ways, ways.mean(axis=1)])
-        room = HALF_WIDTH * np.abs(line @ across) / length + EDGE_ROOM
-        weight = min(abs(self.rise) / FULL_NUDGE_RISE, 1.0)
+        room = SOLE_HALF_WIDTH * np.abs(line @ across) / length + EDGE_CLEARANCE
+        weight = min(abs(self.rise) / FULL_OFFSET_RISE, 1.0)
         shifts = np.array([self._best(way, margin) for way, margin in zip(ways, room, strict=True)])
         return weight * shifts.reshape(-1, 1) * direction_vector(self.direction)
 
     def _best(self, way: FloatArray, room: float) -> float:
-        """Cheapest displacement of one sole to a tread near its positions ``way`` (heel, ball, tip, middle)."""
+        """Displacement in metres with the least cost of one sole at ``way`` (heel, ball, tip, middle) to a tread near
+        it.
+
+        ``way`` is in metres along the flight, ``room`` the distance that the sole keeps from the edges.
+        """
         near = np.unique(self._step(way))
         low, high = way.min() - room, way.max() + room
         shifts, costs = [], []
@@ -66,16 +76,16 @@ class Steps(Ground):
             end = step * self.tread if step < self.count else math.inf
             fits = high - low <= end - begin
             if self.rise > 0.0:
-                clear = end - high - RISER_ROOM
+                clear = end - high - RISER_CLEARANCE
                 wanted = max(min(0.0, clear), begin - low) if fits else clear
             else:
-                clear = begin - low + RISER_ROOM
+                clear = begin - low + RISER_CLEARANCE
                 wanted = min(max(0.0, clear), end - high) if fits else clear
-            shift = min(max(wanted, -GREATEST_NUDGE), GREATEST_NUDGE)
+            shift = min(max(wanted, -GREATEST_FOOTHOLD_OFFSET), GREATEST_FOOTHOLD_OFFSET)
             over_end, over_begin = high + shift - end, begin - low - shift
             into, over = (over_end, over_begin) if self.rise > 0.0 else (over_begin, over_end)
             within = max(into, over) <= 1e-9
-            close = 0.0 if within else max(into + RISER_ROOM, 0.0)
+            close = 0.0 if within else max(into + RISER_CLEARANCE, 0.0)
             costs.append(100.0 * close + max(over, 0.0) + 0.1 * abs(shift))
             shifts.append(shift)
         return float(shifts[int(np.argmin(costs))])

@@ -14,15 +14,15 @@ from studio.core.plausible import MESH_RANGE
 if TYPE_CHECKING:
     from studio.core.kernels.support.triangle_grid import TriangleGrid
 
-MOST_CELLS = 512
-"""Cells of the index along the longer side, at most."""
+MOST_GRID_CELLS = 512
+"""Maximum number of cells of the search grid along its longer side."""
 
 
 @dataclass(frozen=True, eq=False)
 class SurfaceMesh(Ground):
-    """``vertices`` (V, 3) metres and ``triangles`` (T, 3) of them; the highest triangle over a position counts.
+    """Ground of triangles: ``vertices`` (V, 3) in metres and ``triangles`` (T, 3); the highest over a position counts.
 
-    Without a triangle the ground is level at ``height``.
+    Where there is no triangle, the ground is level at ``height``.
     """
 
     kind: ClassVar[str] = "mesh"
@@ -77,7 +77,9 @@ class SurfaceMesh(Ground):
         corners = np.ascontiguousarray(self.vertices[self.triangles])
         low, high = corners[..., :2].min(axis=1), corners[..., :2].max(axis=1)
         origin, end = low.min(axis=0), high.max(axis=0)
-        size = max(math.sqrt(float(np.prod(end - origin)) / len(corners)), float((end - origin).max()) / MOST_CELLS)
+        size = max(
+            math.sqrt(float(np.prod(end - origin)) / len(corners)), float((end - origin).max()) / MOST_GRID_CELLS
+        )
         size = max(size, 1e-3)
         rows, columns = (np.floor((end - origin) / size).astype(int) + 1).tolist()
         first, last = (np.floor((ends - origin) / size).astype(int) for ends in (low, high))

@@ -9,14 +9,14 @@ from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import FloatArray
 from studio.core.mannequin.form import Form
 from studio.core.mannequin.surface import vertex_links
-from studio.core.mesh.skin import INFLUENCES
+from studio.core.mesh.skin import VERTEX_INFLUENCES
 
 
 def weights_by_joints(form: Form, vertices: FloatArray) -> FloatArray:
-    """(V, K+18) weight of each segment in each vertex.
+    """Weights (V, K+18) of each segment in each vertex.
 
-    At every joint a smooth step gives the fraction of a vertex beyond it; a segment gets what is beyond its own joint
-    and not beyond those of its children.
+    At every joint a smooth step gives the fraction of a vertex beyond it. A segment has the fraction that is beyond its
+    own joint and not beyond those of its children.
     """
     layout = form.physique.morphology().layout
     beyond = np.ones((len(vertices), layout.segment_count))
@@ -49,8 +49,10 @@ _LIMB_PARTS = (
 
 
 def _owned(beyond: FloatArray, parents: tuple[int, ...]) -> FloatArray:
-    """Products down the tree: the fraction that reaches a segment times the fraction that none of its
-    children takes.
+    """Weights of segments from the fractions ``beyond`` their joints.
+
+    Each is the product, down the tree, of the fraction that reaches the segment and of the fractions that its children
+    leave.
     """
     reached = beyond.copy()
     for segment, parent in enumerate(parents):
@@ -65,7 +67,7 @@ def _owned(beyond: FloatArray, parents: tuple[int, ...]) -> FloatArray:
 
 
 def _left_steps(form: Form, vertices: FloatArray) -> dict[str, FloatArray]:
-    """Fractions beyond each joint of the left limbs; a vertex of the right half is passed mirrored."""
+    """Fractions of the vertices beyond each joint of the left limbs; vertices of the right half are passed mirrored."""
     h = form.physique.stature
     torso, _, _, arm, leg = form.regions(vertices)
     left = vertices[:, 1] > 0
@@ -96,8 +98,8 @@ def _left_steps(form: Form, vertices: FloatArray) -> dict[str, FloatArray]:
     }
 
 
-def diffused(weights: FloatArray, triangles: NDArray[np.int64], rounds: int) -> FloatArray:
-    """Weights smoothed over the surface, so that no influence ends abruptly or jumps a gap."""
+def diffused_weights(weights: FloatArray, triangles: NDArray[np.int64], rounds: int) -> FloatArray:
+    """Weights smoothed over the surface in ``rounds``, so that no influence ends abruptly or crosses a gap."""
     links = vertex_links(triangles, len(weights))
     for _ in range(rounds):
         weights = 0.5 * weights + 0.5 * (links @ weights)
@@ -105,8 +107,8 @@ def diffused(weights: FloatArray, triangles: NDArray[np.int64], rounds: int) -> 
 
 
 def four_strongest(weights: FloatArray) -> tuple[NDArray[np.int64], FloatArray]:
-    """(V, 4) segments and weights of the four strongest influences, heaviest first, summing to 1."""
-    segments = np.argsort(-weights, axis=1, kind="stable")[:, :INFLUENCES]
+    """Segments (V, 4) and weights (V, 4) of the four strongest influences, strongest first, with sum 1."""
+    segments = np.argsort(-weights, axis=1, kind="stable")[:, :VERTEX_INFLUENCES]
     chosen = np.take_along_axis(weights, segments, axis=1)
     chosen[chosen < 0.008] = 0
     return segments, chosen / chosen.sum(axis=1, keepdims=True)
@@ -115,9 +117,9 @@ def four_strongest(weights: FloatArray) -> tuple[NDArray[np.int64], FloatArray]:
 def rotation_centres(
     vertices: FloatArray, triangles: NDArray[np.int64], segments: NDArray[np.int64], weights: FloatArray
 ) -> FloatArray:
-    """(V, 3) centre of rotation of each vertex: the mean position of the vertices with similar weights.
+    """Centres of rotation (V, 3) of the vertices: the mean position of the vertices with similar weights.
 
-    Le and Hodgins (2016), equation 1, summed over vertices by area; a rigid vertex is its own centre.
+    Le and Hodgins (2016), equation 1, summed over vertices by area. The centre of a rigid vertex is the vertex itself.
     """
     dense = np.zeros((len(vertices), int(segments.max()) + 1))
     np.put_along_axis(dense, segments, weights, axis=1)
@@ -139,7 +141,7 @@ def rotation_centres(
 
 
 def _step(distance: FloatArray, half_width: float) -> FloatArray:
-    """0 below -half_width, 1 above +half_width, smooth between."""
+    """Smooth step of ``distance``: 0 below -half_width, 1 above half_width."""
     t = np.clip((distance / half_width + 1) / 2, 0, 1)
     return np.asarray(t * t * (3 - 2 * t))
 

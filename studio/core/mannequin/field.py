@@ -1,4 +1,4 @@
-"""Signed distance fields: the smooth solids of which a mannequin is made."""
+"""Signed distance fields of the smooth solids of which a mannequin is made."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,9 +13,9 @@ _TINY = 1e-7
 
 @dataclass(frozen=True, eq=False)
 class Loft:
-    """Limb as ellipses along the z axis of ``frame``, with rounded ends.
+    """Solid around the z axis of ``frame`` with elliptical cross-sections and rounded ends, for limbs.
 
-    ``stations`` rows: position along z, centre x, centre y, half-width x, half-width y, in metres. ``power`` 2 gives
+    Rows of ``stations``: position along z, centre x, centre y, half-width x, half-width y, in metres. ``power`` 2 gives
     ellipses, above 2 boxier sections; ``caps`` are the lengths of the two rounded ends.
     """
 
@@ -30,7 +30,7 @@ class Loft:
         return PchipInterpolator(self.stations[:, 0], self.stations[:, 1:])
 
     def distance(self, points: FloatArray) -> FloatArray:
-        """(N,) distance from (N, 3) world points, below zero inside; true near the surface only."""
+        """Signed distances (N,) of world ``points`` (N, 3), negative inside; accurate near the surface only."""
         local = (points - self.origin) @ self.frame + _TINY
         first, last = self.stations[0], self.stations[-1]
         along = np.clip(local[:, 2], first[0], last[0])
@@ -52,7 +52,7 @@ class Ellipsoid:
     frame: FloatArray
 
     def distance(self, points: FloatArray) -> FloatArray:
-        """(N,) approximate distance, first order exact at the surface (Quilez, "Ellipsoid SDF")."""
+        """Approximate signed distances (N,), first-order exact at the surface (Quilez, "Ellipsoid SDF")."""
         local = (points - self.centre) @ self.frame + _TINY
         level = np.linalg.norm(local / self.radii, axis=1)
         slope = np.linalg.norm(local / self.radii**2, axis=1)
@@ -63,14 +63,16 @@ Solid = Loft | Ellipsoid
 
 
 def smooth_union(a: FloatArray, b: FloatArray, width: float) -> FloatArray:
-    """Union of two solids with a fillet of ``width``."""
+    """Signed distances of the union of two solids with distances ``a`` and ``b``, with a fillet of ``width``."""
     overlap = np.maximum(width - np.abs(a - b), 0) / width
     return np.asarray(np.minimum(a, b) - overlap**3 * width / 6)
 
 
 @dataclass(frozen=True, eq=False)
 class BlendedSolid:
-    """Solid that is added to those before it, or subtracted from them, with a fillet of width ``fillet``."""
+    """Solid that is added to the previous ones or, if ``carved``, subtracted from them, with a fillet of width
+    ``fillet``.
+    """
 
     solid: Solid
     fillet: float = 0.0
@@ -78,7 +80,7 @@ class BlendedSolid:
 
 
 def union(parts: list[BlendedSolid], points: FloatArray) -> FloatArray:
-    """Signed distances of all ``parts``, added or subtracted in their order."""
+    """Signed distances of ``points`` from the solid made of all ``parts``, added or subtracted in their order."""
     distance = parts[0].solid.distance(points)
     for part in parts[1:]:
         other = part.solid.distance(points)

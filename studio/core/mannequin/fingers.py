@@ -1,8 +1,8 @@
 """Fingers: tubes along their phalanges, closed surfaces of their own that are rooted in the palm.
 
-Tubes have the same vertices however far they are bent, so one hand can become another by moving vertices. Units are
-shares of the hand's length; the palm looks along +x of the hand's frame, the thumb lies on its -y side, z runs to the
-finger tips.
+A tube has the same vertices however far it is bent, so one hand shape can become another by moving vertices. Lengths
+are fractions of the hand's length; the palm faces +x of the hand's frame, the thumb lies on its -y side, z points to
+the finger tips.
 """
 
 from dataclasses import dataclass
@@ -15,6 +15,7 @@ from studio.core.mannequin.surface import Triangles
 from studio.core.rotations import frame_along
 
 FINGER_SIDES = 8
+"""Number of vertices around a finger."""
 _PHALANGES = (0.45, 0.30, 0.25)
 """Shares of a finger's length, from the knuckle to the tip."""
 _STATIONS = np.array([-0.16, 0.0, 0.14, 0.28, 0.38, 0.45, 0.52, 0.62, 0.69, 0.75, 0.81, 0.90, 0.96, 0.99])
@@ -24,22 +25,22 @@ _GIRTHS = np.array([1.00, 1.08, 1.02, 0.95, 0.96, 1.00, 0.95, 0.88, 0.89, 0.92, 
 
 @dataclass(frozen=True)
 class Finger:
-    """Finger of the left hand: its root, its direction when straight, and the bend of each joint at ease."""
+    """Finger of the left hand: root, direction when straight, length, radius, and bends of its joints."""
 
     root: tuple[float, float, float]
     way: tuple[float, float, float]
-    """The way it points when straight."""
+    """Direction of the straight finger."""
     bends_to: tuple[float, float, float]
-    """The way its tip goes as it bends."""
+    """Direction in which the tip moves as the finger bends."""
     length: float
     radius: float
     at_ease: tuple[float, float, float]
-    """Degrees by which its three joints bend, from the root on."""
+    """Bends in degrees of the three joints, from the root on, of a hand at ease."""
     fist: tuple[float, float, float] = (84.0, 98.0, 62.0)
     open: tuple[float, float, float] = (-2.0, 3.0, 2.0)
 
     def bends(self, grip: float) -> FloatArray:
-        """(3,) bends of its joints in radians for a grip: -1 open, 0 at ease, 1 a fist."""
+        """Bends (3,) of the joints in radians for a grip: -1 open, 0 at ease, 1 a fist."""
         other = np.array(self.fist if grip > 0.0 else self.open)
         return np.radians(np.array(self.at_ease) + abs(grip) * (other - self.at_ease))
 
@@ -61,11 +62,11 @@ FINGERS = (
     Finger((0.006, 0.052, 0.50), (0.0, 0.04, 1.0), _PALM, 0.47, 0.050, (26.0, 31.0, 18.0)),
     Finger((0.016, 0.142, 0.46), (0.0, 0.12, 1.0), _PALM, 0.38, 0.044, (30.0, 33.0, 20.0)),
 )
-"""From the thumb to the little finger."""
+"""Fingers from the thumb to the little finger."""
 
 
 def fingers(girth: float, grip: float = 0.0) -> tuple[FloatArray, Triangles]:
-    """Vertices (V, 3) and triangles of the thumb and fingers of a left hand of breadth ``girth`` with the given
+    """Vertices (V, 3) and triangles of the thumb and fingers of a left hand with breadth ``girth`` and the given
     ``grip``.
     """
     tubes = [_tube(finger, girth, grip) for finger in FINGERS]
@@ -74,7 +75,7 @@ def fingers(girth: float, grip: float = 0.0) -> tuple[FloatArray, Triangles]:
 
 
 def _tube(finger: Finger, girth: float, grip: float) -> FloatArray:
-    """(SIDES * rings + 2, 3) vertices of one finger: its rings, then the centres of its root and its tip."""
+    """Vertices (SIDES * rings + 2, 3) of one finger: its rings, then the centres of its root and its tip."""
     frame = frame_along(np.array(finger.way), np.array(finger.bends_to))
     places, bent = _bent_line(finger, grip)
     ways = np.stack([np.sin(bent), np.zeros(len(bent)), np.cos(bent)], axis=1)
@@ -89,8 +90,8 @@ def _tube(finger: Finger, girth: float, grip: float) -> FloatArray:
 
 
 def _bent_line(finger: Finger, grip: float) -> tuple[FloatArray, FloatArray]:
-    """(R, 3) centres of the rings, z along the straight finger and x in the direction of its bend, and (R,) the bend
-    there in radians.
+    """Centres (R, 3) of the rings of a finger, z along the straight finger and x in the direction of its bend; and the
+    bend (R,) there in radians.
     """
     joints = np.cumsum([0.0, *_PHALANGES[:-1]])
     fine = np.linspace(_STATIONS[0], _STATIONS[-1], 400)

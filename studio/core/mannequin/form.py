@@ -1,7 +1,7 @@
-"""The form of a mannequin: its parts as smooth solids along the bones of its rest pose.
+"""Shape of a mannequin: smooth solids along the bones of its rest pose.
 
-All numbers are fractions of stature (of foot length in the foot) for an average man; the physique's factors adapt them.
-Only the left half is described, because the field is symmetric about y = 0.
+All numbers are fractions of stature (in the foot, of foot length) for an average man; the factors of the physique adapt
+them. Only the left half is described, because the field is symmetric about y = 0.
 """
 
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ _Parts = list[BlendedSolid]
 
 @dataclass(frozen=True)
 class Form:
-    """Solids of one physique in its rest pose."""
+    """Solids that make the body of one physique in its rest pose."""
 
     physique: Physique
 
@@ -35,18 +35,18 @@ class Form:
         return rest_pose(self.physique.morphology())
 
     def point(self, name: str) -> FloatArray:
-        """World position of a point of the left half by its name in the layout, without ``left``."""
+        """World position (3,) of a point of the left half, by its name in the layout without ``left``."""
         names = self.physique.morphology().layout.point_names()
         place: FloatArray = self.rest[0][names.index(name if name in names else f"left {name}")]
         return place
 
     def frame(self, part: BodyPart) -> FloatArray:
-        """World rotation of a segment."""
+        """World rotation (3, 3) of the segment of ``part``."""
         rotation: FloatArray = self.rest[1][self.physique.morphology().layout.segment_of_part(part)]
         return rotation
 
     def distance(self, points: FloatArray) -> FloatArray:
-        """(N,) signed distance of the whole body from (N, 3) world points."""
+        """Signed distances (N,) of world ``points`` (N, 3) from the surface of the whole body."""
         torso, neck, skull, arm, leg = self.regions(points)
         h = self.physique.stature
         head = smooth_union(neck, skull, 0.018 * h)
@@ -54,7 +54,9 @@ class Form:
         return smooth_union(body, leg, 0.050 * h)
 
     def edge_lengths(self, points: FloatArray) -> FloatArray:
-        """(N,) desired length of the mesh's edges: short on hands and face, on feet, and where a limb bends."""
+        """Desired edge lengths (N,) of the mesh at ``points``: short on hands, face and feet, and where a
+        limb bends.
+        """
         h = self.physique.stature
         half = points.copy()
         half[:, 1] = np.abs(half[:, 1])
@@ -85,7 +87,7 @@ class Form:
         ]
 
     def regions(self, points: FloatArray) -> tuple[FloatArray, ...]:
-        """Signed distances of torso, neck, skull, arm and leg separately; the nearer of left and right."""
+        """Signed distances from torso, neck, skull, arm and leg; for arm and leg, from the nearer of left and right."""
         half = points.copy()
         half[:, 1] = np.abs(half[:, 1])
         leg = union(self._leg, half)

@@ -1,7 +1,6 @@
-"""Physique: the proportions and girths from which a morphology and a mannequin are made.
+"""Physique: the proportions and girths of which a morphology and a mannequin are made.
 
-Fractions of stature after Drillis and Contini (1966) as given by Winter (2009), joint centres after
-de Leva (1996).
+Fractions of stature after Drillis and Contini (1966) as given by Winter (2009), joint centres after de Leva (1996).
 """
 
 from dataclasses import dataclass
@@ -10,20 +9,22 @@ import numpy as np
 
 from studio.core.body.morphology import Morphology
 
-SPINE_SHARES = np.array([0.17, 0.22, 0.25, 0.36])
-"""Pelvis, lower abdomen, upper abdomen, thorax: shares of the height from root to neck base."""
+SPINE_FRACTIONS = np.array([0.17, 0.22, 0.25, 0.36])
+"""Fractions of the height from root to neck base: pelvis, lower abdomen, upper abdomen, thorax."""
 SPINE_SWAY = np.array([-0.004, 0.003, -0.012, -0.006])
-"""Forward part of each spine vector, fractions of stature: the curve of the loins and of the back."""
+"""Forward component of each spine vector as a fraction of stature, which curves the loins and the back."""
 
 
 @dataclass(frozen=True)
 class Physique:
-    """Stature in metres, proportions as fractions of stature, and girths as factors on an average man's."""
+    """Physique of a person: stature in metres, proportions as fractions of stature, and girths as factors on an average
+    man's.
+    """
 
     stature: float
     hip_height: float = 0.520
     thigh_share: float = 0.500
-    """Thigh, as a share of the length from hip to ankle."""
+    """Length of the thigh as a fraction of the distance from hip to ankle."""
     ankle_height: float = 0.040
     neck: float = 0.056
     head: float = 0.088
@@ -58,7 +59,7 @@ class Physique:
     foot_girth: float = 1.0
 
     def morphology(self) -> Morphology:
-        """Measures of this body in metres, the same on both sides."""
+        """Measures of this body in metres, equal on both sides."""
         h = self.stature
         leg = h * (self.hip_height - self.ankle_height)
         root_above_hips = 0.022 * h
@@ -69,7 +70,7 @@ class Physique:
         collar = np.array([0.026, 0.016, -self.shoulder_drop]) * h
         clavicle_outward = 0.9796  # the y part of the resting clavicle's direction
         return Morphology(
-            spine=np.stack([SPINE_SWAY * h, np.zeros(4), SPINE_SHARES * trunk], axis=1),
+            spine=np.stack([SPINE_SWAY * h, np.zeros(4), SPINE_FRACTIONS * trunk], axis=1),
             neck=self.neck * h,
             head=self.head * h,
             collar_base=collar * mirror,

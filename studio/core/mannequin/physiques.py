@@ -1,8 +1,8 @@
-"""The five bundled bodies."""
+"""Physiques of the five bundled bodies."""
 
 from studio.core.mannequin.physique import Physique
 
-BUNDLED: dict[str, tuple[str, str, Physique]] = {
+BUNDLED_PHYSIQUES: dict[str, tuple[str, str, Physique]] = {
     "adult_woman": (
         "Adult woman",
         "#7FB4E6",
@@ -160,3 +160,4 @@ BUNDLED: dict[str, tuple[str, str, Physique]] = {
         ),
     ),
 }
+"""Name, colour and physique of each bundled body, by its id."""

@@ -1,4 +1,4 @@
-"""Remeshing of a surface with even triangles of a given size: split, collapse, flip, relax (Botsch and Kobbelt 2004).
+"""Remeshing of a surface with even triangles of given size: split, collapse, flip, relax (Botsch and Kobbelt 2004).
 
 The mesh is the half y >= 0 of a body; its open edge, the vertices with y = 0, stays in that plane.
 """
@@ -12,13 +12,18 @@ from studio.core.body.morphology import FloatArray
 from studio.core.mannequin.surface import Triangles
 
 Sizes = Callable[[FloatArray], FloatArray]
+"""Function that returns the desired edge length at points."""
 Onto = Callable[[FloatArray], FloatArray]
+"""Function that projects points onto the surface."""
 
 
-def remeshed(
+def remeshed_surface(
     vertices: FloatArray, triangles: Triangles, sizes: Sizes, onto: Onto, rounds: int
 ) -> tuple[FloatArray, Triangles]:
-    """Mesh with edges about ``sizes(points)`` long; ``onto`` projects relaxed vertices to the surface."""
+    """Vertices and triangles of a mesh with edges about ``sizes(points)`` long.
+
+    ``onto`` projects relaxed vertices onto the surface.
+    """
     mesh = _Mesh(vertices, triangles)
     for _ in range(rounds):
         wanted = sizes(np.array(mesh.points)).tolist()
@@ -32,7 +37,7 @@ def remeshed(
 
 
 class _Mesh:
-    """Triangles and the faces around each vertex, changed in place."""
+    """Mutable mesh: triangles, and the faces around each vertex."""
 
     def __init__(self, vertices: FloatArray, triangles: Triangles) -> None:
         self.points: list[FloatArray] = list(vertices)
@@ -187,7 +192,7 @@ def _unevenness(mesh: _Mesh, vertex: int, change: int) -> int:
 
 
 def _relaxed(vertices: FloatArray, triangles: Triangles, size: FloatArray) -> FloatArray:
-    """Vertices moved towards the centres of the faces around them, which evens out the faces."""
+    """Vertices moved towards the centres of the faces around them, to even out the faces."""
     corners = vertices[triangles]
     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     weight = area / size[triangles].mean(axis=1) ** 2

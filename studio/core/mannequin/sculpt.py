@@ -1,4 +1,4 @@
-"""Bound mesh of a physique."""
+"""Construction of the bound mesh of a physique."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,30 +11,30 @@ from studio.core.mannequin.physique import Physique
 from studio.core.mesh.hand_shapes import STORED_GRIPS, HandShapes
 from studio.core.mesh.skin import SkinnedMesh
 
-GRID_CELL = 0.0058
-"""Grid cell of the first surface, as a fraction of stature."""
+GRID_CELL_FRACTION = 0.0058
+"""Grid cell of the first surface as a fraction of stature."""
 
 SCULPT_ROUNDS = 7
-SOFTENINGS = 3
+CREASE_SOFTENING_ROUNDS = 3
 
 
 def make_mannequin(physique: Physique) -> SkinnedMesh:
-    """Smooth body of ``physique`` in its rest pose: symmetric, closed, and bound to its segments."""
+    """Mesh of the body of ``physique`` in its rest pose: smooth, symmetric, closed, and bound to its segments."""
     form, h = Form(physique), physique.stature
     points, _ = form.rest
     low = np.array([-0.16, 0.0, -0.03]) * h
     high = np.array([0.20, points[:, 1].max() / h + 0.05, 1.04]) * h
-    half, half_triangles = surface.left_half_surface(form.distance, low, high, GRID_CELL * h)
-    half, half_triangles = remesh.remeshed(
+    half, half_triangles = surface.left_half_surface(form.distance, low, high, GRID_CELL_FRACTION * h)
+    half, half_triangles = remesh.remeshed_surface(
         half,
         half_triangles,
         form.edge_lengths,
-        lambda points: surface.project(form.distance, points, GRID_CELL * h, 2),
+        lambda points: surface.project(form.distance, points, GRID_CELL_FRACTION * h, 2),
         SCULPT_ROUNDS,
     )
     vertices, triangles = surface.whole_surface(half, half_triangles)
-    vertices = surface.softened(vertices, triangles, SOFTENINGS)
-    weights = binding.diffused(binding.weights_by_joints(form, vertices), triangles, 4)
+    vertices = surface.softened_surface(vertices, triangles, CREASE_SOFTENING_ROUNDS)
+    weights = binding.diffused_weights(binding.weights_by_joints(form, vertices), triangles, 4)
     tubes, tube_triangles = surface.whole_surface(*form.fingers())
     held = np.zeros((len(tubes), weights.shape[1]))
     layout = physique.morphology().layout
@@ -55,7 +55,7 @@ def make_mannequin(physique: Physique) -> SkinnedMesh:
 
 
 def _hand_shapes(form: Form) -> HandShapes:
-    """Other shapes of thumbs and fingers, the last vertices of the mesh."""
+    """Further shapes of thumbs and fingers, which are the last vertices of the mesh."""
     shapes = [surface.whole_surface(*form.fingers(grip)) for grip in STORED_GRIPS]
     vertices = np.stack([places for places, _ in shapes])
     normals = np.stack([surface.vertex_normals(places, triangles) for places, triangles in shapes])
@@ -63,5 +63,5 @@ def _hand_shapes(form: Form) -> HandShapes:
 
 
 def _rounded(array: FloatArray, bits: int) -> NDArray[np.float32]:
-    """Array rounded to 2^-bits, invisible to the eye, which halves the file."""
+    """Array rounded to multiples of 2^-bits, invisible to the eye, which halves the file."""
     return (np.round(array * 2.0**bits) / 2.0**bits).astype(np.float32)

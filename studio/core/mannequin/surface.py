@@ -1,4 +1,4 @@
-"""Triangle mesh on the zero level of a distance field that is symmetric about y = 0."""
+"""Triangle meshes on the zero level of a distance field that is symmetric about y = 0."""
 
 from collections.abc import Callable
 
@@ -29,7 +29,7 @@ def left_half_surface(field: Field, low: FloatArray, high: FloatArray, cell: flo
 
 
 def whole_surface(vertices: FloatArray, triangles: Triangles) -> tuple[FloatArray, Triangles]:
-    """Closed surface: the half and its mirror image, joined along y = 0."""
+    """Vertices and triangles of the closed surface: the half y >= 0 and its mirror image, joined along y = 0."""
     on_plane = vertices[:, 1] == 0
     twin = np.where(on_plane, np.arange(len(vertices)), len(vertices) + np.cumsum(~on_plane) - 1)
     reflected = vertices[~on_plane] * [1, -1, 1]
@@ -49,13 +49,13 @@ def project(field: Field, vertices: FloatArray, span: float, steps: int = 3) -> 
 
 
 def gradient(field: Field, points: FloatArray, step: float = 1e-4) -> FloatArray:
-    """(N, 3) slope of the field by central differences."""
+    """Gradients (N, 3) of the field by central differences."""
     offsets = step * np.eye(3)
     return np.stack([(field(points + o) - field(points - o)) / (2 * step) for o in offsets], axis=1)
 
 
-def softened(vertices: FloatArray, triangles: Triangles, rounds: int) -> FloatArray:
-    """Closed mesh with smoothed creases and the same volume (Taubin 1995: a step in, a step out)."""
+def softened_surface(vertices: FloatArray, triangles: Triangles, rounds: int) -> FloatArray:
+    """Vertices of a closed mesh with smoothed creases and the same volume (Taubin 1995: a step in, a step out)."""
     links = vertex_links(triangles, len(vertices))
     for _ in range(rounds):
         for step in (0.50, -0.53):
@@ -64,14 +64,14 @@ def softened(vertices: FloatArray, triangles: Triangles, rounds: int) -> FloatAr
 
 
 def vertex_links(triangles: Triangles, count: int) -> csr_array:
-    """(V, V) matrix that averages the neighbours of each vertex."""
+    """Sparse matrix (V, V) that averages the neighbours of each vertex."""
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     shares = 1 / np.bincount(edges[:, 0], minlength=count)[edges[:, 0]]
     return csr_array((shares, (edges[:, 0], edges[:, 1])), shape=(count, count))
 
 
 def vertex_normals(vertices: FloatArray, triangles: Triangles) -> FloatArray:
-    """(V, 3) unit normals: the mean of the surrounding faces, weighted by area."""
+    """Unit normals (V, 3): means of the normals of the surrounding faces, weighted by area."""
     corners = vertices[triangles]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals = np.zeros_like(vertices)
@@ -104,7 +104,7 @@ def _cell_vertices(values: FloatArray, grid: FloatArray, cell: float) -> tuple[F
 
 
 def _quads(values: FloatArray, index: NDArray[np.int64], axis: int) -> NDArray[np.int64]:
-    """(Q, 4) cells round each crossed grid edge along ``axis``, counter-clockwise from outside."""
+    """Cells (Q, 4) around each crossed grid edge along ``axis``, counter-clockwise from outside."""
     u, v = (axis + 1) % 3, (axis + 2) % 3
     turned = np.transpose(values, (axis, u, v))
     cells = np.transpose(index, (axis, u, v))

@@ -1,4 +1,4 @@
-"""Mannequin with the measures of a measured body: the actor of a capture as a character."""
+"""Mannequin with the measures of a given body: the actor of a capture as a character."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -15,7 +15,7 @@ _STEP = 0.045
 """Half the height over which one vertebra hands over to the next, as a fraction of stature."""
 
 
-def tailored(name: str, colour: str, body: Morphology, patterns: Iterable[Character]) -> Character:
+def tailored_character(name: str, colour: str, body: Morphology, patterns: Iterable[Character]) -> Character:
     """Character with exactly the measures of ``body``, in the skin of the pattern with the nearest stature."""
     pattern = min(patterns, key=lambda each: abs(np.log(each.build.stature / body.stature)))
     build, skin = _with_spine_of(body, pattern)
@@ -23,9 +23,7 @@ def tailored(name: str, colour: str, body: Morphology, patterns: Iterable[Charac
 
 
 def _with_spine_of(body: Morphology, pattern: Character) -> tuple[Morphology, SkinnedMesh]:
-    """Pattern with as many vertebrae as ``body``, at the same fractions of its own spine, and its skin bound
-    accordingly.
-    """
+    """Pattern's measures and skin with as many vertebrae as ``body``, at the same fractions of its own spine."""
     knots = np.vstack([np.zeros(3), np.cumsum(pattern.build.spine, axis=0)])
     places = np.interp(_arc(body.spine), _arc(pattern.build.spine), np.arange(len(knots)))
     points = np.stack([np.interp(places, np.arange(len(knots)), knots[:, axis]) for axis in range(3)], axis=1)
@@ -36,13 +34,13 @@ def _with_spine_of(body: Morphology, pattern: Character) -> tuple[Morphology, Sk
 
 
 def _arc(spine: FloatArray) -> FloatArray:
-    """(K+1,) fraction of the spine's length at each joint and at the neck base."""
+    """Fractions (K+1,) of the spine's length at each joint and at the neck base."""
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(spine, axis=1))])
     return np.asarray(lengths / lengths[-1])
 
 
 def _rebound(pattern: Character, build: Morphology) -> FloatArray:
-    """(V, K'+18) weights of the segments of ``build``: those of the trunk by height, all others unchanged."""
+    """Weights (V, K'+18) of the segments of ``build``: those of the trunk by height, all others unchanged."""
     skin, old, new = pattern.skin, pattern.build.layout.spine_count, build.layout.spine_count
     dense = np.zeros((len(skin.vertices), pattern.build.layout.segment_count))
     np.put_along_axis(dense, skin.segments.astype(np.int64), skin.weights, axis=1)

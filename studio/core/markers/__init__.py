@@ -1,1 +1,1 @@
-"""Optical markers: trials, marker maps, joint centres, and the body that is solved from them."""
+"""Optical markers: trials, marker maps, joint centres, and the body solved from them."""

@@ -1,6 +1,6 @@
-"""Axes of the segments of a body from its joint centres and markers; they equal the world axes in a T-pose.
+"""Axes of the segments of a body from its joint centres and markers; in a T-pose they equal the world axes.
 
-x forward, y left, z up; all arrays over frames; world axes, metres, no gaps.
+They are x forward, y left, z up. All arrays are over frames, in world axes and metres, without gaps.
 """
 
 from collections.abc import Mapping
@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.hand_end import SHORTEST_HAND
+from studio.core.body.hand_end import SHORTEST_HAND_METRES
 from studio.core.markers.functional import cluster_axes
 from studio.core.markers.joint_centres import thorax_frame
 from studio.core.markers.measures import frame_of, has_pelvis, pelvis_frame
@@ -26,7 +26,7 @@ _STEADY = 0.25
 
 @dataclass(frozen=True)
 class Trunk:
-    """Pelvis and thorax: axes (F, 3, 3), middle of the hips and base of the neck (F, 3)."""
+    """Axes (F, 3, 3) of pelvis and thorax, middle of the hips (F, 3) and base of the neck (F, 3)."""
 
     pelvis: FloatArray
     thorax: FloatArray
@@ -42,7 +42,7 @@ def upright_axes(axes: FloatArray) -> FloatArray:
 
 
 def find_trunk(tracks: Tracks, joints: Tracks, stature: float, radius: float) -> Trunk:
-    """Pelvis and thorax; one without markers is upright under or over the other."""
+    """Pelvis and thorax; if one of them has no markers, it is upright below or above the other."""
     legs, arms = "left_hip" in joints, "left_shoulder" in joints
     trunk = 0.3 * stature
     pelvis = _pelvis(tracks, joints) if legs or has_pelvis(tracks) else None
@@ -68,12 +68,13 @@ def find_trunk(tracks: Tracks, joints: Tracks, stature: float, radius: float) ->
 
 
 HEAD_MARKERS = tuple(f"{side}_{end}_head" for end in ("front", "back") for side in SIDE_WORDS)
+"""Roles of the four markers of the head."""
 
 
 def head_axes(tracks: Tracks, thorax: FloatArray) -> FloatArray | None:
     """Axes (F, 3, 3) of the head, upright on average relative to the thorax; None with fewer than three head markers.
 
-    Three markers do not show the front: then the head is taken to face on average as the chest does.
+    Three markers do not show the front; the head is then taken to face on average in the direction of the chest.
     """
     names = [name for name in HEAD_MARKERS if name in tracks]
     if len(names) < 3:
@@ -90,9 +91,10 @@ def head_axes(tracks: Tracks, thorax: FloatArray) -> FloatArray | None:
 def leg_axes(
     joints: Tracks, tracks: Tracks, side: str, pelvis: FloatArray, thigh: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Thigh and shank (F, 3, 3): z from the distal joint to the proximal one, y the axis about which the knee bends.
+    """Axes (F, 3, 3) of thigh and shank: z from the distal joint to the proximal one, y the axis about which the knee
+    bends.
 
-    The shank begins at the end of a ``thigh`` of the given length.
+    The shank begins at the end of a thigh of the length ``thigh``.
     """
     hip, knee, ankle = (joints[f"{side}_{joint}"] for joint in ("hip", "knee", "ankle"))
     out = 1.0 if side == "left" else -1.0
@@ -109,8 +111,10 @@ def leg_axes(
 def arm_axes(
     joints: Tracks, tracks: Tracks, side: str, thorax: FloatArray, shoulder: FloatArray, length: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Upper arm and forearm (F, 3, 3): y along the bone to the left, z up where the palm is down and the elbow bends
-    forward. The arm begins at the body's ``shoulder`` (F, 3); the forearm begins at the end of an upper arm of that
+    """Axes (F, 3, 3) of upper arm and forearm: y along the bone to the left, z up if the palm is down and the elbow
+    bends forward.
+
+    The arm begins at the body's ``shoulder`` (F, 3), and the forearm at the end of an upper arm of the given
     ``length``. A forearm whose wrist has no two markers bends about the axis of its elbow and does not twist.
     """
     elbow, wrist = (joints[f"{side}_{joint}"] for joint in ("elbow", "wrist"))
@@ -128,19 +132,21 @@ def arm_axes(
 
 
 def hand_axes(joints: Tracks, tracks: Tracks, side: str, forearm: FloatArray) -> FloatArray:
-    """Hand (F, 3, 3): y along it to the left, x to the thumb's side; the forearm's axes if no marker is beyond its
-    wrist.
+    """Axes (F, 3, 3) of a hand: y along it to the left, x to the side of the thumb.
+
+    They are those of the forearm if no marker is beyond the wrist.
     """
     wrist = joints[f"{side}_wrist"]
     reach = tracks.get(f"{side}_hand", wrist) - wrist
-    if np.median(np.linalg.norm(reach, axis=-1)) < SHORTEST_HAND:
+    if np.median(np.linalg.norm(reach, axis=-1)) < SHORTEST_HAND_METRES:
         return forearm
     return frame_of((1.0 if side == "left" else -1.0) * reach, forearm[..., 0])
 
 
 def foot_axes(joints: Tracks, tracks: Tracks, side: str, shank: FloatArray, shown: NDArray[np.bool_]) -> FloatArray:
-    """Foot (F, 3, 3): x forward along it, level where it is lowest among the frames ``shown`` (F,); perpendicular to
-    the shank if it has no marker.
+    """Axes (F, 3, 3) of a foot: x forward along it, level where the foot is lowest among the frames ``shown`` (F,).
+
+    A foot without markers is perpendicular to the shank.
     """
     toe = tracks.get(f"{side}_toe")
     if toe is None:
@@ -186,7 +192,7 @@ def _levelled(axes: FloatArray, up: FloatArray) -> FloatArray:
 
 
 def _pitch(angle: float) -> FloatArray:
-    """Rotation whose product ``axes @ _pitch(angle)`` has the x axis raised by ``angle``."""
+    """Rotation such that ``axes @ _pitch(angle)`` has its x axis raised by ``angle`` radians."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, 0.0, -s], [0.0, 1.0, 0.0], [s, 0.0, c]])
 

@@ -1,4 +1,4 @@
-"""Cleaning steps, applied to a trial's points before a body is solved from them, each with its report.
+"""Cleaning steps, applied to the points of a trial before a body is solved from them, each with a report.
 
 The recorded trial is kept; the steps are a list beside it and are applied again whenever the list changes.
 """
@@ -35,13 +35,13 @@ def _positive(number: float, what: str) -> None:
 
 @dataclass(frozen=True)
 class StepReport:
-    """Report of a step in sentences; the first one sums it up."""
+    """Report of a cleaning step in sentences, of which ``summary`` comes first."""
 
     title: str
     summary: str
     details: tuple[str, ...] = ()
     told: bool = True
-    """False where there was nothing to do and nothing is left to be done."""
+    """True if the step changed something, or left something undone, so that the user should see the report."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class UndoSwaps:
     title: ClassVar[str] = "Undo swaps"
 
     def apply(self, trial: Trial) -> tuple[Trial, StepReport]:
-        """Trial in which each pair of swapped labels is exchanged from the frame on where its tracks cross."""
+        """Trial in which each pair of swapped labels is exchanged from the frame in which their tracks cross."""
         swaps = find_swaps(trial.points, _places(trial), trial.frame_rate, trial.metres)
         details = [
             f"{trial.labels[swap.first]} and {trial.labels[swap.second]} from frame {swap.frame} on" for swap in swaps
@@ -70,14 +70,14 @@ class FillShortGaps:
 
     kind: Literal["fill_short_gaps"] = "fill_short_gaps"
     longest: float = 0.15
-    """Seconds."""
+    """Longest gap in seconds that is filled."""
     title: ClassVar[str] = "Fill short gaps"
 
     def __post_init__(self) -> None:
         _positive(self.longest, "The longest gap to be splined")
 
     def apply(self, trial: Trial) -> tuple[Trial, StepReport]:
-        """Trial with gaps of up to ``longest`` filled that have frames on both sides."""
+        """Trial in which gaps of up to ``longest`` seconds with frames on both sides are filled."""
         most = int(self.longest * trial.frame_rate + 1e-9)
         gaps = [gap for gap in find_gaps(trial.points, _places(trial)) if gap.frames <= most]
         return _filled(trial, self.title, gaps, spline_through, "on a spline")
@@ -91,8 +91,9 @@ class FillLongGaps:
     title: ClassVar[str] = "Fill long gaps"
 
     def apply(self, trial: Trial) -> tuple[Trial, StepReport]:
-        """Trial with all gaps filled through which rigid neighbours are seen, the shortest first, since a filled marker
-        may help the next one.
+        """Trial in which every gap is filled for which rigidly connected neighbours are seen.
+
+        The shortest gaps come first, because a filled marker may help to fill the next one.
         """
         places = _places(trial)
         gaps = sorted(find_gaps(trial.points, places), key=lambda gap: gap.frames)
@@ -112,14 +113,14 @@ class LowPass:
 
     kind: Literal["low_pass"] = "low_pass"
     cutoff: float = 8.0
-    """Hz that remain at 0.707 of their size."""
+    """Frequency in Hz at which the amplitude falls to 0.707."""
     title: ClassVar[str] = "Smooth"
 
     def __post_init__(self) -> None:
         _positive(self.cutoff, "The cut-off frequency")
 
     def apply(self, trial: Trial) -> tuple[Trial, StepReport]:
-        """Trial in which each run without gaps is filtered forwards and backwards.
+        """Trial in which each run of frames without gaps is filtered forwards and backwards.
 
         The cut-off is corrected for two passes and for the frame rate (Winter 2009): tan(pi f / rate) / (sqrt 2 -
         1)^1/4.
@@ -157,11 +158,11 @@ class LowPass:
 Step = UndoSwaps | FillShortGaps | FillLongGaps | LowPass
 CLEANING_STEPS: tuple[type[Step], ...] = (UndoSwaps, FillShortGaps, FillLongGaps, LowPass)
 USUAL_STEPS: tuple[Step, ...] = (FillShortGaps(), FillLongGaps())
-"""Steps applied to a trial by default: gaps are filled, places that were seen are kept."""
+"""Cleaning steps that are applied by default: gaps are filled, and seen positions are kept."""
 
 
 def cleaned_trial(trial: Trial, steps: Sequence[Step]) -> tuple[Trial, tuple[StepReport, ...]]:
-    """Trial after all steps, in order, and the report of each; ``trial`` itself is unchanged."""
+    """Trial after all ``steps``, in order, and the report of each; ``trial`` itself is unchanged."""
     reports = []
     for step in steps:
         trial, report = step.apply(trial)

@@ -1,7 +1,7 @@
-"""Markers of one side that carry each other's name all through a take: front and back, heel and toe, knee and ankle,
-thumb and little finger.
+"""Detection of markers of one side that carry each other's name throughout a take: front and back, heel and toe, knee
+and ankle, thumb and little finger.
 
-Where the front is, is told by the places that agree: trunk, pelvis, head, the long part of each foot, knees that bend.
+The front is found from the parts that agree on it: trunk, pelvis, head, the long part of each foot, and bending knees.
 """
 
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.markers.feet import TOES
+from studio.core.markers.feet import TOE_ROLES
 from studio.core.markers.joint_centres import joint_centres
 from studio.core.markers.marker_map import MarkerMap, role_markers, role_middles
 from studio.core.markers.measures import find_measures
@@ -24,10 +24,10 @@ FloatArray = NDArray[np.float64]
 Tracks = Mapping[str, FloatArray]
 
 FRONT_AND_BACK_PAIRS = (("front_hip", "back_hip"), ("front_head", "back_head"))
-"""Places in front and behind of which the body has four markers."""
-TRUNK_PLACES = (("collar", "neck_back"), ("breastbone", "back"))
-"""Places of its middle, in front and behind."""
-WRIST_SIDES = ("wrist", "outer_wrist")
+"""Roles in front and behind that each have a left and a right marker."""
+FRONT_AND_BACK_TRUNK_ROLES = (("collar", "neck_back"), ("breastbone", "back"))
+"""Roles in front and behind in the middle of the trunk."""
+WRIST_ROLES = ("wrist", "outer_wrist")
 BONES_AND_BEYOND = (
     ("front_hip", "knee", "ankle"),
     ("ankle", "knee", "thigh"),
@@ -35,19 +35,19 @@ BONES_AND_BEYOND = (
     ("wrist", "elbow", "shoulder"),
     ("shoulder", "elbow", "wrist"),
 )
-"""A place, the place at the other end of a bone that begins there, and one beyond that."""
+"""Role at one end of a bone, role at its other end, and a role beyond that."""
 EXCHANGEABLE = frozenset(
     frozenset(pair)
     for pair in (
         *FRONT_AND_BACK_PAIRS,
-        *TRUNK_PLACES,
-        WRIST_SIDES,
+        *FRONT_AND_BACK_TRUNK_ROLES,
+        WRIST_ROLES,
         *((chain[1], chain[2]) for chain in BONES_AND_BEYOND),
-        *(("heel", toe) for toe in TOES),
-        *(("ankle", sole) for sole in ("heel", *TOES)),
+        *(("heel", toe) for toe in TOE_ROLES),
+        *(("ankle", sole) for sole in ("heel", *TOE_ROLES)),
     )
 )
-"""Pairs of places that are told apart."""
+"""Pairs of roles whose exchange is detected."""
 _MOST_FRAMES = 600
 _OPPOSITE = -0.3
 """Cosine to the front of all other places below which front and back are exchanged."""
@@ -66,7 +66,9 @@ straight, below which no forearm turns its thumb."""
 
 
 def exchanged_ends(trial: Trial, marker_map: MarkerMap, subject: str = "") -> dict[str, str]:
-    """By role the role whose markers it should have, of those that carry each other's name most of the time."""
+    """Map from each role to the role whose markers it should have, for roles that carry each other's name most of the
+    time.
+    """
     frames = np.unique(np.linspace(0, trial.frame_count - 1, _MOST_FRAMES).astype(int))
     few = replace(trial, points=trial.points[frames], residuals=trial.residuals[frames])
     markers = role_markers(few, marker_map, subject)
@@ -81,7 +83,7 @@ def exchanged_ends(trial: Trial, marker_map: MarkerMap, subject: str = "") -> di
     if high is not None and low is not None:
         up = normalized(high - low)
         for side in SIDE_WORDS:
-            foot = [role for name in ("ankle", "heel", *TOES) if (role := f"{side}_{name}") in tracks]
+            foot = [role for name in ("ankle", "heel", *TOE_ROLES) if (role := f"{side}_{name}") in tracks]
             over = [_along(tracks[role] - tracks[foot[0]], up) for role in foot]
             if foot[:1] == [f"{side}_ankle"] and max(over) > _APART:
                 highest = foot[int(np.argmax(over))]
@@ -89,13 +91,13 @@ def exchanged_ends(trial: Trial, marker_map: MarkerMap, subject: str = "") -> di
         fronts = _fronts(tracks)
         for front, back in FRONT_AND_BACK_PAIRS:
             exchange(_sorted_quadrants(tracks, front, back, _agreed(fronts, front), up))
-        for front, back in TRUNK_PLACES:
+        for front, back in FRONT_AND_BACK_TRUNK_ROLES:
             forward = _agreed(fronts, front)
             if forward is not None and front in fronts and _cosine(fronts[front], forward) < _OPPOSITE:
                 exchange({front: back, back: front})
         forward = _agreed(fronts, "")
         for side in SIDE_WORDS:
-            toe = next((f"{side}_{name}" for name in TOES if f"{side}_{name}" in tracks), "")
+            toe = next((f"{side}_{name}" for name in TOE_ROLES if f"{side}_{name}" in tracks), "")
             heel = f"{side}_heel"
             if (
                 forward is not None
@@ -108,7 +110,7 @@ def exchanged_ends(trial: Trial, marker_map: MarkerMap, subject: str = "") -> di
 
 
 def exchanged_on_limbs(trial: Trial, marker_map: MarkerMap, subject: str = "") -> dict[str, str]:
-    """The same of the end of a bone and what lies beyond it, and of the two sides of a wrist."""
+    """Map as in ``exchanged_ends`` for the end of a bone and the role beyond it, and for the two sides of a wrist."""
     tracks = {role: np.asarray(own.mean(axis=1)) for role, own in role_markers(trial, marker_map, subject).items()}
     found: dict[str, str] = {}
     for side, (root, end, beyond) in product(SIDE_WORDS, BONES_AND_BEYOND):
@@ -121,7 +123,7 @@ def exchanged_on_limbs(trial: Trial, marker_map: MarkerMap, subject: str = "") -
     joints = joint_centres(markers, find_measures(trial.measures, trial.metres, tracks, {}))
     forward = _agreed(_fronts(tracks), "")
     for side in SIDE_WORDS:
-        thumb, little = (f"{side}_{name}" for name in WRIST_SIDES)
+        thumb, little = (f"{side}_{name}" for name in WRIST_ROLES)
         if not {thumb, little} <= tracks.keys() or found.keys() & {thumb, little}:
             continue
         if _is_turned_back(tracks[thumb] - tracks[little], joints, side, forward):
@@ -130,15 +132,15 @@ def exchanged_on_limbs(trial: Trial, marker_map: MarkerMap, subject: str = "") -
 
 
 def with_roles(marker_map: MarkerMap, roles: Mapping[str, str]) -> MarkerMap:
-    """The map in which each of ``roles`` has the markers of the role that it names."""
+    """Marker map in which each key of ``roles`` has the markers of the role that is its value."""
     moved = {role: marker_map.markers[other] for role, other in roles.items() if other in marker_map.markers}
     return replace(marker_map, markers={**marker_map.markers, **moved})
 
 
 def _fronts(tracks: Tracks) -> dict[str, FloatArray]:
-    """Directions (F, 3) to the front by the place in front: no direction depends on the name of another's places."""
+    """Directions (F, 3) to the front by the role in front; each uses the markers of its own pair only."""
     found: dict[str, FloatArray] = {}
-    for front, back in (*FRONT_AND_BACK_PAIRS, *TRUNK_PLACES):
+    for front, back in (*FRONT_AND_BACK_PAIRS, *FRONT_AND_BACK_TRUNK_ROLES):
         before, behind = middle_of(tracks, front), middle_of(tracks, back)
         if before is not None and behind is not None:
             found[front] = normalized(before - behind)
@@ -147,7 +149,7 @@ def _fronts(tracks: Tracks) -> dict[str, FloatArray]:
         knee, ankle = (tracks.get(f"{side}_{name}") for name in ("knee", "ankle"))
         if ankle is None:
             continue
-        ends = [tracks[role] - ankle for name in ("heel", *TOES) if (role := f"{side}_{name}") in tracks]
+        ends = [tracks[role] - ankle for name in ("heel", *TOE_ROLES) if (role := f"{side}_{name}") in tracks]
         if ends:
             feet.append(max(ends, key=lambda end: _median(np.linalg.norm(end, axis=-1))))
         pelvis = [each for name in ("front_hip", "back_hip") if (each := middle_of(tracks, name)) is not None]
@@ -161,7 +163,7 @@ def _fronts(tracks: Tracks) -> dict[str, FloatArray]:
 
 
 def _agreed(fronts: Tracks, but: str) -> FloatArray | None:
-    """The mean direction (F, 3) to the front without that of one place; None where the others do not agree."""
+    """Mean direction (F, 3) to the front, without that of the role ``but``; None if the others do not agree."""
     others = [own for name, own in fronts.items() if name != but]
     if len(others) < 2:
         return None
@@ -171,7 +173,7 @@ def _agreed(fronts: Tracks, but: str) -> FloatArray | None:
 
 
 def _is_beyond(root: FloatArray, end: FloatArray, beyond: FloatArray) -> bool:
-    """True if the ``end`` of a bone (F, 3) lies beyond what should be ``beyond`` it, as seen from its ``root``."""
+    """True if ``end`` (F, 3) of a bone is farther from its ``root`` than ``beyond``, which should be beyond it."""
     near, far = (np.linalg.norm(own - root, axis=-1) for own in (end, beyond))
     seen = np.isfinite(near + far)
     if not seen.any() or np.percentile(near[seen], 95) < _FARTHER * np.percentile(far[seen], 95):
@@ -183,7 +185,9 @@ def _is_beyond(root: FloatArray, end: FloatArray, beyond: FloatArray) -> bool:
 def _sorted_quadrants(
     tracks: Tracks, front: str, back: str, forward: FloatArray | None, up: FloatArray
 ) -> dict[str, str]:
-    """By role the role whose markers lie in its quarter, of both sides in front and behind, where that is another."""
+    """Map from roles to the roles whose markers lie in their quadrant (left or right, front or back), if
+    they differ.
+    """
     roles = [f"{side}_{name}" for name in (front, back) for side in SIDE_WORDS]
     if forward is None or any(role not in tracks for role in roles):
         return {}
@@ -201,7 +205,7 @@ def _sorted_quadrants(
 
 
 def _is_turned_back(across: FloatArray, joints: Tracks, side: str, forward: FloatArray | None) -> bool:
-    """True if the way ``across`` a wrist (F, 3), to its thumb, points to where no forearm turns it."""
+    """True if the direction ``across`` a wrist (F, 3), to its thumb, is one that no forearm can reach."""
     shoulder, elbow, wrist = (joints.get(f"{side}_{name}") for name in ("shoulder", "elbow", "wrist"))
     if shoulder is None or elbow is None or wrist is None:
         return False

@@ -1,6 +1,6 @@
-"""The long axis of a foot: from its heel to the middle of the heads of the first and fifth metatarsals.
+"""Long axis of a foot, from its heel to the middle of the heads of the first and fifth metatarsals.
 
-All positions are (F, 3) by role, in axes that are fixed in space; NaN where a marker was not seen.
+All positions are (F, 3) by role, in axes that are fixed in space; NaN in frames in which a marker was not seen.
 """
 
 from collections.abc import Mapping
@@ -13,8 +13,8 @@ from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
 
-TOES = ("toe", "inner_toe", "outer_toe", "big_toe")
-"""Places that show the front of a foot."""
+TOE_ROLES = ("toe", "inner_toe", "outer_toe", "big_toe")
+"""Roles that show the front of a foot."""
 _EDGE = float(np.tan(np.radians(12.0)))
 """Part of the way from the heel to the ball by which the fifth metatarsal, or the first, lies beside the long axis."""
 _ANKLE_TO_BALL = 0.72
@@ -35,7 +35,7 @@ _SHORTEST, _USUAL = 0.13, 0.17
 
 
 def feet_axes(tracks: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """Toes and heels by role, moved to the long axes of the feet where other markers show these.
+    """Toes and heels by role, moved to the long axes of the feet if other markers show these.
 
     Two markers that are too near each other to be heel and toe only give the direction: they are moved apart along it.
     """
@@ -83,7 +83,9 @@ def _toe(tracks: Mapping[str, FloatArray], side: str) -> FloatArray | None:
 
 
 def _is_tip(tracks: Mapping[str, FloatArray], side: str, toe: FloatArray, limit: float) -> bool:
-    """True if a marker (F, 3) lies so far from its heel, or its ankle, that it is before the ball of the foot."""
+    """True if the marker ``toe`` (F, 3) is so far from the heel or the ankle that it lies in front of the ball of the
+    foot.
+    """
     behind = next((name for name in _TIP_TO_BALL if f"{side}_{name}" in tracks), None)
     above = next(
         (

@@ -1,4 +1,4 @@
-"""Force on each force plate, in the plate's axes, from its analog channels."""
+"""Forces on force plates, in the axes of the plates, from their analog channels."""
 
 from dataclasses import dataclass
 
@@ -27,18 +27,21 @@ _BREAK, _SHORTEST = 0.05, 0.1
 
 @dataclass(frozen=True, eq=False)
 class PlateLoad:
-    """Step on a force plate, loaded from frame ``first`` to ``last``, both included, and unloaded before and after."""
+    """Step on a force plate that is loaded from frame ``first`` to ``last``, both included, and unloaded before and
+    after.
+    """
 
     first: int
     last: int
     corners: FloatArray
-    """(4, 2) metres, along X and Y of the world."""
+    """Corners (4, 2) of the plate in metres, along X and Y of the world."""
 
 
 def plate_force(trial: Trial, plate: ForcePlate) -> FloatArray:
-    """(N, 3) force in the units of the channels, along x and y of the plate and perpendicular to it.
+    """Forces (N, 3) in the units of the channels, along x and y of the plate and perpendicular to it.
 
-    Types 1 and 2 give the force itself, 3 has eight sensors (x12, x34, y14, y23, z1 to z4), 4 needs its calibration.
+    Plates of types 1 and 2 give the force itself, type 3 has eight sensors (x12, x34, y14, y23, z1 to z4), and type 4
+    needs its calibration.
     """
     raw = _calibrated(trial, plate)
     if plate.kind == 3:
@@ -51,7 +54,7 @@ def plate_reactions(trial: Trial, plate: ForcePlate) -> tuple[FloatArray, FloatA
     """Centres of pressure (N, 3), in file units and axes, and ground reaction forces (N, 3); NaN for an unloaded plate.
 
     The plate's x runs from corner 2 to corner 1, its y from corner 4 to corner 1 (C3D user guide). With the sensors h
-    below the surface the centre of pressure is x = -(My + h Fx) / Fz, y = (Mx - h Fy) / Fz; type 1 gives it directly,
+    below the surface the centre of pressure is x = -(My + h Fx) / Fz, y = (Mx - h Fy) / Fz. Type 1 gives it directly,
     type 3 by the loads of its four corners, which are ``origin`` away from the middle. Files disagree about the sign of
     the force; here the ground pushes up.
     """
@@ -81,9 +84,9 @@ def plate_reactions(trial: Trial, plate: ForcePlate) -> tuple[FloatArray, FloatA
 
 
 def plates_height(trial: Trial, turn: FloatArray, near: float) -> float | None:
-    """Height in metres of the level force plates, in world axes: ``turn`` (3, 3) rotates points (N, 3) there.
+    """Height in metres of the level force plates in world axes; ``turn`` (3, 3) rotates points (N, 3) to these.
 
-    Of plates at several heights the one nearest to ``near``; None without a level plate within reach of it.
+    Of plates at several heights the one nearest to ``near`` is taken; None if no level plate is within reach of it.
     """
     heights = []
     for plate in trial.plates:
@@ -99,7 +102,7 @@ def plates_height(trial: Trial, turn: FloatArray, near: float) -> float | None:
 def plate_loads(trial: Trial, turn: FloatArray) -> tuple[PlateLoad, ...]:
     """Steps on all plates of a trial; ``turn`` (3, 3) rotates points (N, 3) to world axes.
 
-    Amplifiers drift, so the force on an empty plate is subtracted; a plate that is never empty shows no step.
+    Amplifiers drift, so the force on an empty plate is subtracted. A plate that is never empty shows no step.
     """
     samples_a_frame, found = trial.analog.rate / trial.frame_rate, []
     for plate in trial.plates if len(trial.analog.samples) else ():
@@ -122,7 +125,7 @@ def plate_loads(trial: Trial, turn: FloatArray) -> tuple[PlateLoad, ...]:
 
 
 def sample_times(trial: Trial) -> FloatArray:
-    """(N,) seconds of the analog samples from frame 0 of the trial."""
+    """Times (N,) in seconds of the analog samples, from frame 0 of the trial."""
     return np.arange(len(trial.analog.samples)) / trial.analog.rate
 
 

@@ -1,4 +1,4 @@
-"""Functional joint centres: from the relative motion of two bones, for joints without a marker."""
+"""Functional joint centres: joints without a marker, found from the relative motion of two bones."""
 
 from collections.abc import Sequence
 
@@ -20,7 +20,7 @@ _INDEPENDENT = 100
 
 
 def cluster_axes(markers: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Rigid motion of a cluster (F, n, 3), n > 2, of markers: centres (F, 3), rotations (F, 3, 3) of its mean shape.
+    """Rigid motion of a cluster (F, n, 3) of n > 2 markers: centres (F, 3), and rotations (F, 3, 3) of its mean shape.
 
     The mean shape is found by aligning all frames with the first complete one (Kabsch 1976).
     """
@@ -37,10 +37,10 @@ def cluster_axes(markers: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def centre_of_rotation(upper: FloatArray, lower: FloatArray, usual: FloatArray) -> FloatArray:
-    """Joint (F, 3) between two clusters (F, n, 3) (symmetrical centre of rotation estimation, Ehrig et al.
+    """Positions (F, 3) of the joint between two clusters (F, n, 3), by symmetrical estimation (Ehrig et al. 2006).
 
-    2006). Least squares for a point that is fixed in both: R1 c1 + t1 = R2 c2 + t2 over all frames, with a weak prior
-    ``usual`` (F, 3), the joint by the markers alone. NaN where a cluster is not seen.
+    Least squares for a point that is fixed in both: R1 c1 + t1 = R2 c2 + t2 over all frames, with the weak prior
+    ``usual`` (F, 3), the joint by the markers alone. NaN in frames in which a cluster is not seen.
     """
     (t1, r1), (t2, r2) = cluster_axes(upper), cluster_axes(lower)
     seen = seen_mask(t1) & seen_mask(t2) & seen_mask(usual)
@@ -58,8 +58,9 @@ def centre_of_rotation(upper: FloatArray, lower: FloatArray, usual: FloatArray) 
 
 
 def shift_of_centres(tracks: Sequence[FloatArray], centres: Sequence[FloatArray], direction: FloatArray) -> float:
-    """Displacement in metres along ``direction`` (3,) of centres (3,) after which tracks (F, 3) keep their distances
-    best. The most probable one, by Gauss-Newton, given the usual errors of centres and tracks.
+    """Displacement in metres along ``direction`` (3,) by which centres (3,) keep their distances to tracks (F, 3) best.
+
+    It is the most probable one, found by Gauss-Newton, given the usual errors of centres and tracks.
     """
     shift = 0.0
     for _ in range(_STEPS):

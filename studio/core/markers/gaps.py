@@ -1,4 +1,4 @@
-"""Gaps: frames in which a marker was not seen, filled by its own path if short, by its neighbours if long."""
+"""Gaps: frames in which a marker was not seen; short ones are filled by its own path, long ones by its neighbours."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ _STIFF = 0.02
 
 @dataclass(frozen=True)
 class Gap:
-    """Frames ``first`` to ``last``, both included, in which the marker of index ``place`` was not seen."""
+    """Gap of the marker with the index ``place``, from frame ``first`` to ``last``, both included."""
 
     place: int
     first: int
@@ -35,12 +35,14 @@ class Gap:
 
     @property
     def frames(self) -> int:
+        """Number of frames."""
         return self.last - self.first + 1
 
 
 def find_gaps(points: FloatArray, places: tuple[int, ...]) -> Iterator[Gap]:
-    """Gaps of some of the points (F, P, 3), those at the beginning and the end included; none for points that are never
-    seen.
+    """Gaps of the ``points`` (F, P, 3) with the indices ``places``, including those at the beginning and the end.
+
+    Points that are never seen have none.
     """
     for place in places:
         unseen = ~seen_mask(points[:, place])
@@ -51,7 +53,7 @@ def find_gaps(points: FloatArray, places: tuple[int, ...]) -> Iterator[Gap]:
 
 
 def spline_through(points: FloatArray, gap: Gap) -> FloatArray | None:
-    """Positions (n, 3) in the gap on a cubic spline through the nearest frames on both sides.
+    """Positions (n, 3) in a gap on a cubic spline through the nearest frames on both sides.
 
     None if fewer than two frames are seen on one side of it.
     """
@@ -68,14 +70,16 @@ def spline_through(points: FloatArray, gap: Gap) -> FloatArray | None:
 
 @dataclass(frozen=True)
 class Stiffness:
-    """Mean distance of each pair of points and its standard deviation (P, P), metres; NaN on the diagonal."""
+    """Mean and standard deviation (P, P) of the distance between each pair of points, in metres; NaN on the
+    diagonal.
+    """
 
     mean: FloatArray
     spread: FloatArray
 
 
 def stiffness(points: FloatArray, places: tuple[int, ...], metres: float) -> Stiffness:
-    """``Stiffness`` over frames spread through the trial in which both points are seen; ``metres`` a unit."""
+    """Distances of pairs of points over sampled frames in which both are seen; ``metres`` is the length of a unit."""
     frames = np.unique(np.linspace(0, len(points) - 1, _LOOKED_AT).astype(int))
     mean, spread = (np.full((points.shape[1], points.shape[1]), np.nan) for _ in range(2))
     there = metres * points[frames][:, list(places)]
@@ -91,11 +95,11 @@ def stiffness(points: FloatArray, places: tuple[int, ...], metres: float) -> Sti
 
 
 def pattern_through(points: FloatArray, gap: Gap, known: Stiffness) -> FloatArray | None:
-    """Positions (n, 3) in the gap by the motion of the most rigid neighbours; None without three of them.
+    """Positions (n, 3) in a gap by the motion of the most rigid neighbours; None without three of them.
 
-    The rigid motion (Kabsch 1976) of the neighbours, weighted by their rigidity, is taken from the last frame before
-    the gap and from the first one after it; both are blended by their nearness, so that the path is continuous on both
-    sides.
+    The rigid motion (Kabsch 1976) of the neighbours, weighted by their rigidity, is applied from the last frame before
+    the gap and from the first one after it. Both results are blended by nearness, so that the path is continuous on
+    both sides.
     """
     donors = _donors(points, gap, known)
     if len(donors) < 3:
@@ -113,7 +117,7 @@ def pattern_through(points: FloatArray, gap: Gap, known: Stiffness) -> FloatArra
 
 
 def _donors(points: FloatArray, gap: Gap, known: Stiffness) -> list[int]:
-    """Markers seen through the whole gap and beside it that keep their distance to its marker best."""
+    """Markers that are seen throughout the gap and beside it, and keep their distance to its marker best."""
     mean, spread = known.mean[gap.place], known.spread[gap.place]
     stiff = np.flatnonzero((mean > 0.01) & (spread < _STIFF))
     around = points[max(gap.first - 1, 0) : gap.last + 2, stiff]
@@ -123,7 +127,7 @@ def _donors(points: FloatArray, gap: Gap, known: Stiffness) -> list[int]:
 
 
 def _spread_out(places: FloatArray, stiff: list[int]) -> list[int]:
-    """The first few that are not on one line: three on a line do not define a rotation about it."""
+    """First few markers of ``stiff`` that are not on one line: three on a line do not define a rotation about it."""
     chosen = stiff[:2]
     for donor in stiff[2:]:
         legs = places[[*chosen[1:], donor]] - places[chosen[0]]
@@ -136,9 +140,9 @@ def _spread_out(places: FloatArray, stiff: list[int]) -> list[int]:
 
 
 def _carried(source: FloatArray, marker: FloatArray, targets: FloatArray, trust: FloatArray) -> FloatArray:
-    """Path of ``marker`` (3,) if ``source`` (n, 3) moves rigidly to each of ``targets`` (F, n, 3).
+    """Positions of ``marker`` (3,) if ``source`` (n, 3) moves rigidly to each of ``targets`` (F, n, 3).
 
-    ``trust`` (n,) are weights that sum to one.
+    ``trust`` (n,) are weights with sum 1.
     """
     middle, middles = trust @ source, np.einsum("n,fni->fi", trust, targets)
     covariance = np.einsum("n,ni,fnj->fij", trust, source - middle, targets - middles[:, None])

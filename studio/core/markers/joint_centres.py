@@ -1,6 +1,7 @@
 """Joint centres from markers: by the equations of Plug-in-Gait, or midway between the two sides of a joint.
 
-All lengths are metres, all positions (F, 3) in axes that are fixed in space; NaN where a marker was not seen.
+All lengths are metres, all positions (F, 3) in axes that are fixed in space; NaN in frames in which a marker was not
+seen.
 """
 
 from collections.abc import Mapping
@@ -17,7 +18,7 @@ from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
 Tracks = Mapping[str, FloatArray]
-"""Places by role."""
+"""Positions (F, 3) by role."""
 
 _INWARD = 0.05
 """Metres from markers on the outside of a leg in to its middle."""
@@ -25,8 +26,9 @@ _TRUNK = ("neck_back", "back", "collar", "breastbone")
 
 
 def joint_centres(markers: Mapping[str, FloatArray], measures: Measures) -> dict[str, FloatArray]:
-    """``left_hip, left_knee, left_ankle, left_shoulder, left_elbow, left_wrist`` and those of the right, (F, 3), from
-    each role's markers (F, n, 3), as far as they suffice; several markers of a role count as their mean.
+    """Joint centres (F, 3) by name (``left_hip``, ``left_knee``, ..., ``right_wrist``), as far as the markers suffice.
+
+    ``markers`` has the markers (F, n, 3) of each role; several markers of a role count as their mean.
     """
     tracks = role_middles(markers)
     joints: dict[str, FloatArray] = {}
@@ -37,10 +39,10 @@ def joint_centres(markers: Mapping[str, FloatArray], measures: Measures) -> dict
 
 
 def with_hips_of_thighs(markers: Mapping[str, FloatArray], measures: Measures) -> Measures:
-    """Measures with both hips moved forward or back in the pelvis so that thighs have constant lengths.
+    """Measures with both hips moved forward or back in the pelvis so that the thighs have constant lengths.
 
     The depth of a hip is the least certain result of its regression, and the one that walking shows best; height and
-    width are left to the regression.
+    width remain those of the regression.
     """
     tracks, joints = role_middles(markers), joint_centres(markers, measures)
     if not has_pelvis(tracks) or any(f"{side}_knee" not in joints for side in SIDE_WORDS):
@@ -54,11 +56,12 @@ def with_hips_of_thighs(markers: Mapping[str, FloatArray], measures: Measures) -
 
 
 def chord(start: FloatArray, marker: FloatArray, wand: FloatArray, offset: float, turn: float = 0.0) -> FloatArray:
-    """Joint D at the distance ``offset`` from ``marker``, with a right angle there between it and ``start``.
+    """Joint centre D at the distance ``offset`` from ``marker``, with a right angle at D between ``marker`` and
+    ``start``.
 
-    It is in the plane of the three, on the side away from ``wand``: with e = unit(B - A), w the unit part of (W - A)
-    orthogonal to e and s = offset / |AB|, D = A + |AB| c (c e - s w). A rotation by ``turn`` radians about e corrects a
-    misplaced wand (Vicon's thigh and shank rotation).
+    D is in the plane of the three points, on the side away from ``wand``: with e = unit(B - A), w the unit part of (W -
+    A) orthogonal to e and s = offset / |AB|, D = A + |AB| c (c e - s w). A rotation by ``turn`` radians about e
+    corrects a misplaced wand (Vicon's thigh and shank rotation).
     """
     bone = marker - start
     length = np.linalg.norm(bone, axis=-1, keepdims=True)
@@ -72,7 +75,9 @@ def chord(start: FloatArray, marker: FloatArray, wand: FloatArray, offset: float
 
 
 def thorax_frame(tracks: Tracks, radius: float) -> tuple[FloatArray, FloatArray] | None:
-    """Origin (F, 3) under the collar's marker and axes (F, 3, 3), x forward, y left, z up; None without its markers."""
+    """Origin (F, 3) under the collar's marker and axes (F, 3, 3), x forward, y left, z up; None if markers
+    are missing.
+    """
     if any(role not in tracks for role in _TRUNK):
         return None
     c7, t10, collar, breastbone = (tracks[role] for role in _TRUNK)
@@ -90,7 +95,9 @@ def _leg(
     out: int,
     joints: dict[str, FloatArray],
 ) -> None:
-    """``out`` is 1 where the outer side is the left of the body, -1 on its right."""
+    """Add the joint centres of one leg to ``joints``; ``out`` is 1 if the outer side is the left of the
+    body, else -1.
+    """
     if has_pelvis(tracks):
         origin, pelvis = pelvis_frame(tracks)
         outward = out * pelvis[..., 1]
@@ -122,8 +129,9 @@ def _leg(
 
 
 def _knee_of_clusters(markers: Mapping[str, FloatArray], side: str, outward: FloatArray) -> FloatArray | None:
-    """Centre about which thigh and shank rotate; the prior is midway between their markers, which are
-    on the outside.
+    """Centre about which thigh and shank rotate relative to each other; None without clusters.
+
+    The prior is midway between their markers, which are on the outside.
     """
     thigh, shank = markers.get(f"{side}_thigh"), markers.get(f"{side}_shank")
     if thigh is None or shank is None or min(thigh.shape[1], shank.shape[1]) < 3:
@@ -133,7 +141,7 @@ def _knee_of_clusters(markers: Mapping[str, FloatArray], side: str, outward: Flo
 
 
 def _ankle_of_foot(tracks: Tracks, joints: Tracks, side: str) -> FloatArray | None:
-    """Ankle by proportion: above the hind part of the foot, towards the knee."""
+    """Ankle by proportion: above the rear part of the foot, towards the knee."""
     heel, toe, knee = tracks.get(f"{side}_heel"), tracks.get(f"{side}_toe"), joints.get(f"{side}_knee")
     if heel is None or toe is None or knee is None:
         return None
@@ -163,8 +171,9 @@ def _arm(tracks: Tracks, measures: Measures, index: int, joints: dict[str, Float
 
 
 def _shoulder(tracks: Tracks, measures: Measures, marker: FloatArray, own: SideMeasures, out: int) -> FloatArray:
-    """Shoulder by the thorax and its wand that points up from the shoulder; else straight towards the other hip by the
-    same distance.
+    """Shoulder joint, found by the thorax and a wand that points up from the shoulder.
+
+    Without a wand it is ``own.shoulder`` metres from the marker straight towards the opposite hip.
     """
     thorax = thorax_frame(tracks, measures.radius)
     if thorax is not None:

@@ -1,4 +1,4 @@
-"""Markers that jump: for a frame, or from a frame on, they are where no body can have moved them."""
+"""Detection of markers that jump, for one frame or from a frame on, to where no body can have moved them."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,14 +8,14 @@ from studio.core.markers.trial import MARKER_KIND, Trial
 FloatArray = NDArray[np.float64]
 
 JUMP_DISTANCE, JUMP_ACCELERATION = 0.04, 200.0
-"""Metres by which a step may lie off all between the one before and the one after it, and metres a second squared."""
+"""Jump: metres by which a step is outside the range of the steps before and after it, and metres per second squared."""
 
 
 def marker_jumps(trial: Trial) -> dict[str, tuple[NDArray[np.bool_], float]]:
-    """Label of each marker that jumps: (F,) true for frames into which it jumps, and the greatest jump in metres.
+    """Jumping markers by label: mask (F,) of the frames into which each jumps, and its greatest jump in metres.
 
-    A body that accelerates or strikes takes steps between those before and after; a jump is off both. Without one of
-    these frames it only has to differ from the other.
+    The steps of a body that accelerates or strikes lie between those before and after; a jump is outside of both. At
+    the ends it is only compared with the one neighbour.
     """
     allowed = max(JUMP_DISTANCE, JUMP_ACCELERATION / trial.frame_rate**2)
     found = {}
@@ -28,7 +28,7 @@ def marker_jumps(trial: Trial) -> dict[str, tuple[NDArray[np.bool_], float]]:
 
 
 def _off_their_neighbours(steps: FloatArray) -> FloatArray:
-    """(N,) distance of each step (N, 3) from the line between the one before and the one after; NaN without any."""
+    """Distances (N,) of steps (N, 3) from the line between the previous and the next step; NaN if both are missing."""
     before, after = np.full((2, *steps.shape), np.nan)
     before[1:], after[:-1] = steps[:-1], steps[1:]
     before, after = np.where(np.isnan(before), after, before), np.where(np.isnan(after), before, after)

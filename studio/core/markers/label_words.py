@@ -96,7 +96,7 @@ PART_WORDS: tuple[tuple[str, str], ...] = (
     ("front_head", r"fhd|hdf|front.?head|head.?front|tet|temp(le)?"),
     ("back_head", r"bhd|hdb|back.?head|head.?back"),
 )
-"""Regular expressions by part of a side; the first that fits the rest of a label without its side is taken."""
+"""Regular expressions for the parts of a side; the first one that matches a label without its side is taken."""
 MIDDLE_WORDS: tuple[tuple[str, str], ...] = (
     ("neck_back", r"c(v|ervical)?.?7|spine.?top|neck|back.?top"),
     ("back", r"t(v?h?|horacic).?(8|9|10|12)|spine.?(mid|thoracic\d*)"),
@@ -107,7 +107,7 @@ MIDDLE_WORDS: tuple[tuple[str, str], ...] = (
     ("breastbone", r"strn|stern(um)?|px|sxs|x[iy]ph?(oid)?(.?proc\w*)?|chest|xpro|xyph"),
     ("sacrum", r"v?\.?sacr?(um|al)?|s1"),
 )
-"""The same for labels of the body's middle, which name no side."""
+"""Regular expressions for labels in the middle of the body, which name no side."""
 INITIALS: tuple[tuple[str, str], ...] = (
     ("knee", rf"le|lep|kn?|{_OUTER}.?epi.*"),
     ("inner_knee", rf"me|mep|{_INNER}.?epi.*"),
@@ -121,7 +121,9 @@ INITIALS: tuple[tuple[str, str], ...] = (
     ("inner_toe", r"(toe|t|m).?1"),
     ("outer_toe", r"(toe|t|m).?5"),
 )
-"""The same for letters that sets use differently: each stands for the first part that no other label names."""
+"""Regular expressions for letters that marker sets use differently: each stands for the first of its parts that no
+other label names.
+"""
 _FRENCH = (("left", "gauche"), ("right", "droite"), ("right", "droit"), ("left", "g"), ("right", "d"))
 _SHORTEST_FRENCH = 4
 """Letters of a word beside which G and D name a side."""
@@ -139,7 +141,7 @@ def side_and_part(label: str) -> tuple[str, str] | None:
 
 
 def with_english_sides(labels: Sequence[str]) -> dict[str, str]:
-    """Labels by themselves, with L and R for G and D (*gauche*, *droite*) where these name a set's sides."""
+    """Labels by the original label, with L and R for G and D (*gauche*, *droite*) if these name the sides of a set."""
     there = set(labels)
     counts = [sum({left + label[1:], right + label[1:]} <= there for label in labels) for left, right in ("GD", "LR")]
     if counts[0] < _FEWEST_FRENCH or counts[0] <= counts[1]:
@@ -148,7 +150,7 @@ def with_english_sides(labels: Sequence[str]) -> dict[str, str]:
 
 
 def initials_of(label: str) -> tuple[str, list[str]]:
-    """Side, and the parts that the letters of a label may stand for, the likeliest first."""
+    """Side of a label, and the parts that its letters may stand for, the likeliest first."""
     for side, rest in _sides_at_the_ends(label.lower()):
         if parts := [part for part, words in INITIALS if re.fullmatch(words, rest)]:
             return side, parts

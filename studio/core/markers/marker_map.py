@@ -1,4 +1,4 @@
-"""MarkerMap: the markers of a set at each position on the body."""
+"""Marker map: the markers of a set at each role, a position on the body."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.core.markers.feet import TOES, feet_axes
-from studio.core.markers.roles import JOINTS, ROLE, SIDE_WORDS
+from studio.core.markers.feet import TOE_ROLES, feet_axes
+from studio.core.markers.roles import JOINTS, ROLES_BY_ID, SIDE_WORDS
 from studio.core.markers.trial import MARKER_KIND, VIRTUAL_KIND, Trial, label_without_subject
 
 FloatArray = NDArray[np.float64]
 Tracks = Mapping[str, FloatArray]
-"""Places (F, 3) by role, in metres; NaN where not seen."""
+"""Positions (F, 3) by role in metres; NaN in frames in which they are not seen."""
 
 _LEG = ("knee", "ankle")
 _ARM = ("shoulder", "elbow", "wrist")
@@ -22,25 +22,26 @@ _ARM = ("shoulder", "elbow", "wrist")
 
 @dataclass(frozen=True)
 class MarkerMap:
-    """Labels (without subject) of each role's markers; their mean is the position of the role."""
+    """Labels (without subject) of the markers of each role; the mean of its markers is the position of the role."""
 
     name: str
     markers: Mapping[str, tuple[str, ...]]
     centres: Mapping[str, str] = field(default_factory=dict)
-    """Points that are joint centres by joint (``left_knee``), as a model leaves them in a file; used where the markers
-    do not give that joint, and to find out what was measured on the subject."""
+    """Labels of points that are joint centres, by joint (``left_knee``), as a model leaves them in a file. They are
+    used if the markers do not give that joint, and to find the measures of the subject.
+    """
 
     def __post_init__(self) -> None:
-        for given, known in ((self.markers, tuple(ROLE)), (self.centres, JOINTS)):
+        for given, known in ((self.markers, tuple(ROLES_BY_ID)), (self.centres, JOINTS)):
             unknown = [place for place in given if place not in known]
             if unknown:
                 raise StudioError(f"'{unknown[0]}' is not a place on a body. Places are {', '.join(known)}.")
-        ordered = {role: tuple(self.markers[role]) for role in ROLE if self.markers.get(role)}
+        ordered = {role: tuple(self.markers[role]) for role in ROLES_BY_ID if self.markers.get(role)}
         object.__setattr__(self, "markers", MappingProxyType(ordered))
         object.__setattr__(self, "centres", MappingProxyType(dict(self.centres)))
 
     def __reduce__(self) -> tuple[type["MarkerMap"], tuple[str, dict[str, tuple[str, ...]], dict[str, str]]]:
-        """Pickle of the map for another process; read-only mappings have none of their own."""
+        """Pickle of the map for another process; its read-only mappings cannot be pickled themselves."""
         return MarkerMap, (self.name, dict(self.markers), dict(self.centres))
 
     @property
@@ -49,11 +50,11 @@ class MarkerMap:
         return frozenset(label for labels in self.markers.values() for label in labels)
 
     def with_role(self, role: str, labels: Iterable[str]) -> "MarkerMap":
-        """Copy with other markers, or none, for one role."""
+        """Copy in which ``role`` has the markers ``labels``, which may be none."""
         return replace(self, markers={**self.markers, role: tuple(labels)})
 
     def restricted_to(self, labels: Iterable[str]) -> "MarkerMap":
-        """The map restricted to ``labels``: a role keeps those of its markers that are among them."""
+        """Copy with only those markers that are among ``labels``."""
         there = set(labels)
         kept = {role: tuple(label for label in own if label in there) for role, own in self.markers.items()}
         centres = {joint: label for joint, label in self.centres.items() if label in there}
@@ -63,7 +64,7 @@ class MarkerMap:
         """True if both legs can be tracked: pelvis or hips, knees, ankles."""
         hips = self._has("front_hip") and ("left_back_hip" in self.markers or "right_back_hip" in self.markers)
         knees = self._has("knee") or (self._has_cluster("thigh") and self._has_cluster("shank"))
-        toes = all(any(f"{side}_{toe}" in self.markers for toe in TOES) for side in SIDE_WORDS)
+        toes = all(any(f"{side}_{toe}" in self.markers for toe in TOE_ROLES) for side in SIDE_WORDS)
         ankles = self._has("ankle") or (self._has("heel") and toes)
         return ((hips or self._has("hip")) and knees and ankles) or self._has_centres("hip", *_LEG)
 
@@ -72,14 +73,14 @@ class MarkerMap:
         return all(self._has(part) for part in _ARM) or self._has_centres(*_ARM)
 
     def missing_positions(self) -> tuple[str, ...]:
-        """Names of the positions without which not even half a body can be tracked."""
+        """Names of the positions that are missing to track at least half a body."""
         if self.has_legs() or self.has_arms():
             return ()
         needed = [f"{side}_{part}" for part in ("front_hip", "back_hip", *_LEG) for side in SIDE_WORDS]
-        return tuple(ROLE[role].words.lower() for role in needed if role not in self.markers)
+        return tuple(ROLES_BY_ID[role].words.lower() for role in needed if role not in self.markers)
 
     def _has_cluster(self, part: str) -> bool:
-        """True if three markers move with a bone and so show its rotation."""
+        """True if three markers move with the bone of ``part``, and so show its rotation."""
         return all(len(self.markers.get(f"{side}_{part}", ())) >= 3 for side in SIDE_WORDS)
 
     def _has_centres(self, *joints: str) -> bool:
@@ -90,7 +91,9 @@ class MarkerMap:
 
 
 def seen_labels(trial: Trial, subject: str = "", kinds: tuple[str, ...] = (MARKER_KIND,)) -> dict[str, str]:
-    """Labels without subject of the points that are ever seen, by label; only those of ``subject`` if it is given."""
+    """Labels without subject of the points that are seen in some frame, by label; only those of ``subject`` if it is
+    given.
+    """
     found: dict[str, str] = {}
     for label, kind, ever in zip(trial.labels, trial.kinds, trial.ever_seen, strict=True):
         if kind in kinds and ever and (not subject or label.startswith(f"{subject}:")):
@@ -99,7 +102,7 @@ def seen_labels(trial: Trial, subject: str = "", kinds: tuple[str, ...] = (MARKE
 
 
 def role_markers(trial: Trial, marker_map: MarkerMap, subject: str = "") -> dict[str, FloatArray]:
-    """Each role's markers (F, n, 3) in metres and the file's axes; NaN where not seen."""
+    """Markers (F, n, 3) of each role in metres and the file's axes; NaN where not seen."""
     by_bare = _by_bare(trial, subject)
     return {
         role: trial.metres * np.stack([trial.track(by_bare[bare]) for bare in labels], axis=1)
@@ -108,16 +111,16 @@ def role_markers(trial: Trial, marker_map: MarkerMap, subject: str = "") -> dict
 
 
 def role_middles(markers: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """Mean (F, 3) of each role's markers, with the toes moved to the long axis of each foot.
+    """Mean (F, 3) of the markers of each role, with the toes moved to the long axis of each foot.
 
-    NaN where one of them is not seen.
+    NaN in frames in which one of them is not seen.
     """
     tracks = {role: np.asarray(own.mean(axis=1)) for role, own in markers.items()}
     return tracks | feet_axes(tracks)
 
 
 def stored_centres(trial: Trial, marker_map: MarkerMap, subject: str = "") -> dict[str, FloatArray]:
-    """Joint centres (F, 3) that are among the points, in metres and the file's axes."""
+    """Joint centres (F, 3), by joint, that are stored as points of the trial, in metres and the file's axes."""
     by_bare = _by_bare(trial, subject)
     centres = marker_map.restricted_to(by_bare).centres
     return {joint: trial.metres * trial.track(by_bare[bare]) for joint, bare in centres.items()}

@@ -12,8 +12,8 @@ from studio.core.rotations import normalized
 FloatArray = NDArray[np.float64]
 Tracks = Mapping[str, FloatArray]
 
-USUAL_RADIUS = 0.007
-"""From the middle of a marker to the skin, metres, where the file does not tell."""
+USUAL_MARKER_RADIUS_METRES = 0.007
+"""Distance in metres from the middle of a marker to the skin, if the file does not state it."""
 _THETA, _BETA = 0.5, 0.314
 _PUT_ON_EXACTLY = 1e-3
 """Radians within which a wand is where it should be."""
@@ -29,26 +29,26 @@ _STORED = {
 
 @dataclass(frozen=True)
 class SideMeasures:
-    """Measures of one side, in metres: distance of each joint from its marker (half the bone and the
-    marker's radius).
+    """Measures of one side in metres: distance of each joint centre from its marker (half the bone and the marker's
+    radius).
     """
 
     hip: FloatArray
-    """(3,) in the axes of the pelvis, from the middle between its front markers."""
+    """Hip joint (3,) in the axes of the pelvis, from the middle between its front markers."""
     knee: float
     ankle: float
     shoulder: float
     elbow: float
     wrist: float
-    """Under the bar that carries the wrist's two markers; 0 where they stick to the skin."""
+    """Distance of the wrist from the bar that carries its two markers; 0 if they stick to the skin."""
     thigh_turn: float = 0.0
-    """Radians from the wand on the thigh to the plane in which the knee lies, about the bone."""
+    """Angle in radians about the bone from the wand on the thigh to the plane of the knee."""
     shank_turn: float = 0.0
 
 
 @dataclass(frozen=True)
 class Measures:
-    """Measures of left and right, and the radius of the markers; ``words`` names their source."""
+    """Measures of left and right side, and the radius of the markers; ``words`` describes their source."""
 
     sides: tuple[SideMeasures, SideMeasures]
     radius: float
@@ -56,7 +56,7 @@ class Measures:
 
 
 def hip_in_pelvis(leg: float, mean_leg: float, inter_asis: float, trochanter: float, radius: float) -> FloatArray:
-    """(3,) left hip joint in the axes of the pelvis, metres (Davis 1991, as in Plug-in-Gait).
+    """Left hip joint (3,) in the axes of the pelvis, in metres (Davis 1991, as in Plug-in-Gait).
 
     ``trochanter`` is the distance from the front of the pelvis back to the trochanter, by default 0.1288 leg - 48.56
     mm.
@@ -73,9 +73,10 @@ def hip_in_pelvis(leg: float, mean_leg: float, inter_asis: float, trochanter: fl
 
 
 def find_measures(stored: Mapping[str, float], metres: float, tracks: Tracks, centres: Tracks) -> Measures:
-    """Measures stored in the file (``LKNEEWIDTH``, unit ``metres``), else taken from the joint centres that it stores,
-    else regressed from the markers. ``tracks`` are by role; ``centres`` are the joints (``left_knee``) that a model
-    has left in the file.
+    """Measures stored in the file, else those of the joint centres that it stores, else regressed from the markers.
+
+    ``stored`` are the file's measures (``LKNEEWIDTH``), in units of ``metres``. ``tracks`` are by role; ``centres`` are
+    the joints (``left_knee``) that a model has left in the file.
     """
 
     def length(key: str) -> float:
@@ -118,7 +119,7 @@ def pelvis_frame(tracks: Tracks) -> tuple[FloatArray, FloatArray]:
 
 
 def frame_of(left: FloatArray, forward: FloatArray) -> FloatArray:
-    """Axes (..., 3, 3) with y along ``left``, x as near to ``forward`` as possible, z = x cross y."""
+    """Axes (..., 3, 3) with y along ``left``, x as near to ``forward`` as possible, and z = x cross y."""
     y = normalized(left)
     x = normalized(forward - np.sum(forward * y, axis=-1, keepdims=True) * y)
     return np.stack([x, y, np.cross(x, y)], axis=-1)
@@ -146,7 +147,7 @@ def _beside(tracks: Tracks, centres: Tracks, role: str, usual: float) -> float:
 
 
 def wand_turn(tracks: Tracks, centres: Tracks, side: str, above: str, joint: str, wand: str) -> float:
-    """Rotation in radians about the bone from the plane of a wand to a stored joint; 0 if it is unknown."""
+    """Angle in radians about the bone from the plane of a wand to a stored joint centre; 0 if it is unknown."""
     near, far = centres.get(f"{side}_{above}"), centres.get(f"{side}_{joint}")
     marker, beside = tracks.get(f"{side}_{joint}"), tracks.get(f"{side}_{wand}")
     if near is None or far is None or marker is None or beside is None:
@@ -159,15 +160,16 @@ def wand_turn(tracks: Tracks, centres: Tracks, side: str, above: str, joint: str
 
 
 def _radius(stored: Mapping[str, float], metres: float, tracks: Tracks, centres: Tracks, knee: float) -> float:
-    """Marker radius with which stored joint centres were computed: a knee's marker is half a knee and a radius beside
-    it.
+    """Marker radius with which stored joint centres were computed.
+
+    The marker of a knee lies half the knee's width and one radius beside its centre.
     """
     if knee:
         within = _beside(tracks, centres, "left_knee", 0.0) - 0.5 * knee
         if 0.0 < within < 0.03:
             return within
     diameter = stored.get("MARKERDIAMETER", stored.get("MARKER_DIAMETER", 0.0)) * metres
-    return 0.5 * diameter if 0.004 < diameter < 0.06 else USUAL_RADIUS
+    return 0.5 * diameter if 0.004 < diameter < 0.06 else USUAL_MARKER_RADIUS_METRES
 
 
 def _leg_of(tracks: Tracks, side: str) -> float:

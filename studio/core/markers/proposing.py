@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.markers.feet import TOES
+from studio.core.markers.feet import TOE_ROLES
 from studio.core.markers.label_words import initials_of, side_and_part, with_english_sides
 from studio.core.markers.marker_map import MarkerMap, seen_labels
-from studio.core.markers.roles import ROLE, SIDE_WORDS
+from studio.core.markers.roles import ROLES_BY_ID, SIDE_WORDS
 from studio.core.markers.subjects import shared_beginning
 from studio.core.markers.told_centres import label_without_side, measured_centre_labels, pelvis_width
 from studio.core.markers.trial import Trial, seen_mask
@@ -16,8 +16,8 @@ from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
 
-PROPOSED = "proposed by names and places"
-"""Name of the maps of sets that nobody knows."""
+PROPOSED_MAP_NAME = "proposed by names and places"
+"""Name of the proposed maps of unknown marker sets."""
 _ACROSS = 0.7
 """Cosine of the angle from straight across the body within which two markers are on either side of a joint."""
 _ALONG = 0.5
@@ -36,6 +36,8 @@ _HALF_FOOT = 0.27
 
 @dataclass(frozen=True)
 class _Marker:
+    """Marker with its label and positions."""
+
     label: str
     track: FloatArray
     """(F, 3) metres, file axes; NaN where not seen."""
@@ -46,7 +48,10 @@ _Found = dict[tuple[str, str], list[_Marker]]
 
 
 def propose_map(trial: Trial, subject: str = "") -> MarkerMap:
-    """Map by words in the labels, refined by geometry: pairs on both sides of a joint, clusters on pelvis, feet."""
+    """Marker map proposed by words in the labels, and refined by the positions of the markers.
+
+    Positions show pairs on both sides of a joint, and clusters on pelvis and feet.
+    """
     found = _by_words(trial, subject)
     _name_single_feet(found)
     centres, found = _apart_from_centres(found)
@@ -72,7 +77,7 @@ def propose_map(trial: Trial, subject: str = "") -> MarkerMap:
     for side in SIDE_WORDS:
         if behind := markers.pop(f"{side}_sacrum", sacrum):
             markers.setdefault(f"{side}_back_hip", behind)
-    return MarkerMap(PROPOSED, {r: m for r, m in markers.items() if r in ROLE}, centres)
+    return MarkerMap(PROPOSED_MAP_NAME, {r: m for r, m in markers.items() if r in ROLES_BY_ID}, centres)
 
 
 def _by_words(trial: Trial, subject: str) -> _Found:
@@ -104,7 +109,7 @@ def _by_words(trial: Trial, subject: str) -> _Found:
 
 
 def _apart_from_centres(found: _Found) -> tuple[dict[str, str], _Found]:
-    """Labels of joint centres by joint, and the markers without them.
+    """Labels of joint centres by joint, and the remaining markers.
 
     A joint centre is recognised by its label, or by measure if markers of its joint remain or a whole leg of centres is
     there.
@@ -143,23 +148,23 @@ def _mean(tracks: list[FloatArray]) -> FloatArray:
 
 
 def _average(values: FloatArray) -> float:
-    """Mean over frames in which the value is known; 0 if there are none."""
+    """Mean of the values that are not NaN; 0 if there are none."""
     known = values[np.isfinite(values)]
     return float(known.mean()) if len(known) else 0.0
 
 
 def _along(vectors: FloatArray, directions: FloatArray) -> float:
-    """Mean component of vectors (F, 3) along directions (F, 3) of length one."""
+    """Mean component of vectors (F, 3) along unit directions (F, 3)."""
     return _average(np.sum(vectors * directions, axis=-1))
 
 
 def _sorted(markers: list[_Marker], directions: FloatArray) -> list[_Marker]:
-    """Markers from the farthest along directions (F, 3) to the nearest."""
+    """Markers in the order of their position along directions (F, 3), the farthest first."""
     return sorted(markers, key=lambda marker: -_along(marker.track - markers[0].track, directions))
 
 
 def _sort_pair(found: _Found, side: str, joint: str, outward: FloatArray) -> None:
-    """Sort the markers at one joint into the outer and the inner one, if two are on either side of it."""
+    """Sort two markers at one joint into the outer and the inner one, if they are on either side of it."""
     own = found.get((side, joint), [])
     if len(own) < 2 or (side, f"inner_{joint}") in found:
         return
@@ -199,8 +204,9 @@ def _sort_pelvis(found: _Found) -> None:
 
 
 def _sort_foot(found: _Found, side: str, outward: FloatArray) -> None:
-    """Sort the markers of a foot: a heel is distinguished from a hand by the ankle near it; a single metatarsal is the
-    fifth, of two the outer one is.
+    """Sort the markers of a foot: a heel is told from a hand by the ankle near it.
+
+    A single metatarsal is taken as the fifth; of two, the outer one is.
     """
     width = pelvis_width(*_labelled(found))
     ankles = found.get((side, "ankle"), [])
@@ -217,8 +223,10 @@ def _sort_foot(found: _Found, side: str, outward: FloatArray) -> None:
 
 
 def _sort_foot_clusters(found: _Found, forward: FloatArray) -> None:
-    """Choose heel and toe of unnamed clusters on the feet: the two beside the sole that are farthest apart along the
-    facing direction. Equal labels of both sides give equal choices.
+    """Choose heel and toe of unnamed clusters on the feet: the two beside the sole that are farthest apart in the
+    forward direction.
+
+    Equal labels of both sides give equal choices.
     """
     feet = {side: found.pop((side, "foot"), []) for side in SIDE_WORDS}
     up, width = _upward(found), pelvis_width(*_labelled(found))
@@ -236,13 +244,13 @@ def _sort_foot_clusters(found: _Found, forward: FloatArray) -> None:
     for side, foot in feet.items():
         names = {marker.label: label_without_side(marker.label, side) for marker in foot}
         low = [marker for marker in foot if not width or np.mean(high[names[marker.label]]) < _LOW * width]
-        if len(low) > 1 and not {(side, part) for part in TOES} & found.keys():
+        if len(low) > 1 and not {(side, part) for part in TOE_ROLES} & found.keys():
             low.sort(key=lambda marker: float(np.mean(ahead[names[marker.label]])))
             found[side, "heel"], found[side, "toe"] = [low[0]], [low[-1]]
 
 
 def _name_single_feet(found: _Found) -> None:
-    """Name the single foot on either side of a set of joints: the ankle if none is named, else the toe."""
+    """Name the single foot point on each side of a set of joints: the ankle if none is named, else the toe."""
     part = "toe" if ("left", "ankle") in found else "ankle"
     single = all(len(found.get((side, "foot"), ())) == 1 and (side, part) not in found for side in SIDE_WORDS)
     if single and ("left", "front_hip") not in found:

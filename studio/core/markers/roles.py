@@ -6,18 +6,19 @@ SIDE_WORDS = ("left", "right")
 JOINTS = tuple(
     f"{side}_{joint}" for side in SIDE_WORDS for joint in ("hip", "knee", "ankle", "shoulder", "elbow", "wrist")
 )
+"""Names of the joints with centres."""
 
 
 @dataclass(frozen=True)
 class MarkerRole:
-    """Position of a marker on the body, named by the anatomy under the skin there."""
+    """Role of a marker: its position on the body, named by the anatomy under the skin there."""
 
     id: str
     words: str
     part: str
-    """``head``, ``trunk``, ``pelvis``, ``left arm``, ``right leg`` ..."""
+    """Part of the body: ``head``, ``trunk``, ``pelvis``, ``left arm``, ``right leg`` ..."""
     spot: tuple[float, float]
-    """On a figure: across from -1 (the right of the body) to 1 (its left), up from 0 (soles) to 1 (crown)."""
+    """Position on a figure: across from -1 (the right of the body) to 1 (its left), up from 0 (soles) to 1 (crown)."""
     hint: str
 
 
@@ -59,5 +60,7 @@ ROLES: tuple[MarkerRole, ...] = (
     *_pair("big_toe", "tip of the big toe", "leg", (0.165, -0.005), "On the nail or the tip of the big toe"),
     *_pair("outer_toe", "ball of the little toe", "leg", (0.27, 0.01), "The head of the fifth metatarsal"),
 )  # fmt: skip
+"""All roles, in the order of the form."""
 
-ROLE: dict[str, MarkerRole] = {role.id: role for role in ROLES}
+ROLES_BY_ID: dict[str, MarkerRole] = {role.id: role for role in ROLES}
+"""Roles by their ids."""

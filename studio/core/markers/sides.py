@@ -1,6 +1,6 @@
-"""Markers labelled with the wrong side of the body through a whole take.
+"""Detection of markers labelled with the wrong side of the body throughout a take.
 
-The left side is found without labels of sides: from the front of the body and its up direction.
+The left side is found without the labels of sides: from the front of the body and its up direction.
 """
 
 from collections.abc import Mapping
@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.markers.feet import TOES
+from studio.core.markers.feet import TOE_ROLES
 from studio.core.markers.joint_centres import joint_centres
 from studio.core.markers.marker_map import MarkerMap, role_markers, role_middles, stored_centres
 from studio.core.markers.measures import find_measures
@@ -36,8 +36,8 @@ _LINKS = (
     ("thigh", ("shank",)),
     ("shank", ("heel",)),
     ("ankle", ("heel",)),
-    ("heel", TOES),
-    ("ankle", TOES),
+    ("heel", TOE_ROLES),
+    ("ankle", TOE_ROLES),
     ("shoulder", ("elbow", "inner_elbow", "upper_arm")),
     ("elbow", ("wrist", "outer_wrist", "forearm")),
     ("wrist", ("hand",)),
@@ -56,7 +56,7 @@ _BEFORE = {"knee": "hip", "elbow": "shoulder"}
 
 
 def exchanged_places(trial: Trial, marker_map: MarkerMap, subject: str = "") -> tuple[str, ...]:
-    """Positions without their side (``knee``) whose left and right markers are exchanged most of the time."""
+    """Roles without their side (``knee``) whose left and right markers are exchanged most of the time."""
     frames = np.unique(np.linspace(0, trial.frame_count - 1, _MOST_FRAMES).astype(int))
     few = replace(trial, points=trial.points[frames], residuals=trial.residuals[frames])
     markers, centres = role_markers(few, marker_map, subject), stored_centres(few, marker_map, subject)
@@ -87,7 +87,7 @@ def exchanged_places(trial: Trial, marker_map: MarkerMap, subject: str = "") -> 
 
 
 def with_sides_exchanged(marker_map: MarkerMap, names: tuple[str, ...]) -> MarkerMap:
-    """Map with the markers and centres of left and right exchanged at positions without their side."""
+    """Map with left and right markers and centres exchanged for the roles ``names`` (without their side)."""
     other = {f"{one}_{name}": f"{two}_{name}" for one, two in (SIDE_WORDS, SIDE_WORDS[::-1]) for name in names}
     markers = {other.get(role, role): labels for role, labels in marker_map.markers.items()}
     centres = {other.get(joint, joint): label for joint, label in marker_map.centres.items()}
@@ -108,7 +108,7 @@ def _leftward(tracks: Tracks) -> FloatArray:
 
 
 def high_and_low(tracks: Tracks) -> tuple[FloatArray | None, FloatArray | None]:
-    """Places (F, 3) in the middle of the body, one high and one low on it; None for one that has no markers."""
+    """Positions (F, 3) in the middle of the body, one high and one low on it; None for one without markers."""
     high, low = (
         next((each for name in names if (each := middle_of(tracks, name)) is not None), None) for names in (_HIGH, _LOW)
     )
@@ -133,7 +133,7 @@ def _is_mirrored(tracks: Tracks, name: str, leftward: FloatArray) -> bool:
 
 
 def _is_crossed(joints: Tracks, joint: str, ends: Tracks, name: str) -> bool:
-    """True if the bones from joints to ends would be shorter and more constant if connected across the sides."""
+    """True if the bones from joints to ends would be shorter and more constant with left and right ends exchanged."""
     if any(f"{side}_{joint}" not in joints for side in SIDE_WORDS):
         return False
     own, across = (

@@ -1,7 +1,7 @@
 """Solver from joint centres to a body that can be retargeted: a skeleton of constant bones and its poses.
 
-Bones have their mean lengths and the directions of the joint centres; parts that a trial does not show stay in a rest
-pose: arms beside the body, legs straight down.
+Bones have their mean lengths and the directions of the joint centres. Parts without markers stay in a rest pose: arms
+beside the body, legs straight down.
 """
 
 from collections.abc import Mapping
@@ -66,15 +66,17 @@ _JOINT_OF = {"shoulder": "Arm", "elbow": "ForeArm", "wrist": "Hand", "hip": "UpL
 
 @dataclass(frozen=True)
 class SolvedBody:
-    """Skeleton, poses and body map; the joint of each centre; the parts in the rest pose."""
+    """Result of the solver: skeleton, poses and body map; the skeleton joint of each centre; the parts in a
+    rest pose.
+    """
 
     skeleton: Skeleton
     poses: PoseSequence
     body_map: BodyMap
     joints: Mapping[str, int]
-    """``left_knee`` ... to joints of the skeleton."""
+    """Joints of the skeleton by the name of the centre: ``left_knee`` ..."""
     resting: tuple[str, ...]
-    """``arms``, ``legs``, ``head``: what the trial does not show."""
+    """Parts in a rest pose because the trial has no markers of them: ``arms``, ``legs``, ``head``."""
 
 
 def solve_body(
@@ -84,11 +86,11 @@ def solve_body(
     stature: float | None = None,
     seen: Mapping[str, BoolArray] | None = None,
 ) -> SolvedBody:
-    """Body that follows ``joints`` (F, 3) and markers by role; world axes, metres, no gaps.
+    """Body that follows the joint centres ``joints`` and markers ``tracks`` (F, 3); world axes, metres, no gaps.
 
-    ``stature`` (m) sizes the parts without markers; without it legs or arms do. ``radius`` (m) is that of the markers.
-    Lengths are measured in the frames (F,) in which their positions are ``seen``, if that is given. Needs both legs
-    or both arms.
+    ``stature`` (metres) sizes the parts without markers; without it legs or arms do. ``radius`` (metres) is that of the
+    markers. If ``seen`` is given, lengths are measured in the frames (F,) in which their positions are seen. Both legs
+    or both arms are needed.
     """
     stature = stature or _stature(joints)
     trunk = find_trunk(tracks, joints, stature, radius)
@@ -103,7 +105,7 @@ def solve_body(
 
 
 class _Body:
-    """Axes by joint (F, 3, 3) and offsets in the zero pose, a T-pose facing x, filled part by part."""
+    """Skeleton under construction: axes (F, 3, 3) by joint, and offsets in the zero pose, a T-pose facing x."""
 
     def __init__(
         self, trunk: Trunk, tracks: Tracks, joints: Tracks, stature: float, seen: Mapping[str, BoolArray]
@@ -139,7 +141,7 @@ class _Body:
         return PoseSequence(rotations, translations)
 
     def _lay_trunk(self) -> bool:
-        """Add spine, chest, neck and head; True if the head is shown."""
+        """Add spine, chest, neck and head; return True if the head has markers."""
         trunk = self.trunk
         shown = self._shown(*(f"{side}_{joint}" for side in SIDE_WORDS for joint in ("hip", "shoulder")))
         length = float(np.median(np.linalg.norm(trunk.neck - trunk.hips, axis=-1)[shown]))
@@ -250,9 +252,10 @@ class _Body:
     def _aim(
         self, joint: str, carrier: FloatArray, child: str, bone: FloatArray, usual: FloatArray, shown: BoolArray
     ) -> None:
-        """Rotate ``joint`` from its parent's axes so that its bone to ``child`` points along ``bone`` (F, 3).
+        """Rotate ``joint`` from the axes of its parent so that its bone to ``child`` points along ``bone`` (F, 3).
 
-        ``usual`` (3,) is its direction in them if it has no length; the length is that of the frames ``shown`` (F,).
+        ``usual`` (3,) is the direction in these axes of a bone without length. The length is measured in the frames
+        ``shown`` (F,).
         """
         local = np.einsum("fji,fj->fi", carrier, bone)
         middle = np.median(local[shown], axis=0)
@@ -265,7 +268,9 @@ class _Body:
         return max(float(np.median(lengths[self._shown(near, far)])), _SHORTEST_BONE)
 
     def _shown(self, *names: str) -> BoolArray:
-        """Frames (F,) in which all of the positions are seen; all frames if there are none, or it is unknown."""
+        """Mask (F,) of the frames in which all positions ``names`` are seen; all frames if there are none, or it is
+        unknown.
+        """
         shown = np.ones(len(self.trunk.hips), dtype=bool)
         for name in names:
             shown &= self.seen.get(name, True)
@@ -276,7 +281,7 @@ class _Body:
 
 
 def _stature(joints: Tracks) -> float:
-    """Stature in metres by legs, 0.491 of it, else by arms, 0.332 of it, else 1.75."""
+    """Stature in metres: legs are 0.491 of it, else arms 0.332; 1.75 without either."""
     for names, share in ((("hip", "knee", "ankle"), _LEG), (("shoulder", "elbow", "wrist"), _UPPER_ARM + _FOREARM)):
         if f"left_{names[0]}" in joints:
             lengths = [
@@ -316,7 +321,7 @@ def _half(rotations: FloatArray) -> FloatArray:
 
 
 def _mended(axes: FloatArray) -> FloatArray:
-    """Axes (F, 3, 3); those of the nearest valid frame where markers coincide and define none."""
+    """Axes (F, 3, 3) in which invalid frames, with coinciding markers, take the axes of the nearest valid frame."""
     whole = np.flatnonzero(np.abs((axes * axes).sum(axis=(1, 2)) - 3.0) < 1e-6)
     if len(whole) == len(axes):
         return axes

@@ -1,4 +1,6 @@
-"""Subjects of a trial by the labels of its points: ``Ann_LASI`` and ``Ben_LASI`` are the same marker of two people."""
+"""Subjects of a trial, found in the labels of its points: ``Ann_LASI`` and ``Ben_LASI`` are one marker of
+two people.
+"""
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -19,13 +21,13 @@ _CLUSTERS = ("pelvis", "thigh", "shank", "foot", "upper_arm", "forearm", "hand")
 _NAMELESS = "1"
 """Name of a subject whose labels have none, beside others."""
 _Splits = Callable[[str], Iterator[tuple[str, str]]]
-"""Names of a subject that a label may hold, each with what is left of the label."""
+"""Function that yields possible names of a subject in a label, each with the rest of the label."""
 _Owned = dict[str, dict[str, str]]
-"""By subject what is left of each of its labels."""
+"""Rests of labels without the subject, by subject and label."""
 
 
 def with_subjects(labels: Sequence[str]) -> tuple[str, ...]:
-    """Labels with each subject before a colon, ``Ann:LASI``, wherever in the label its name is; else unchanged.
+    """Labels with the subject first, before a colon (``Ann:LASI``), wherever it stands in the label; else unchanged.
 
     Two prefixes before a sign name subjects if the rests are largely the same and have sides of their own: ``L.Knee``
     and ``R.Knee`` are sides of one body. Names after a label, or without a sign, are accepted only if a body is
@@ -74,9 +76,9 @@ def _bodies(labels: Sequence[str], found: _Owned) -> _Owned:
 
 
 def _beside_one_without_name(labels: Sequence[str], found: _Owned) -> _Owned:
-    """Subjects whose rests are the labels of another body that has no name, and that body: ``LASI`` and ``LASI_2``.
+    """Subjects whose rests are the labels of another body without a name, and that body: ``LASI`` and ``LASI_2``.
 
-    A model's copy of some markers beside its joint centres is no other body: it lacks places.
+    A model's copy of some markers beside its joint centres is no other body: positions are missing.
     """
     there = set(labels)
     named = {
@@ -109,7 +111,7 @@ def _is_like_another(name: str, found: _Owned, share: float) -> bool:
 
 
 def _by_name(labels: Sequence[str], splits: _Splits) -> _Owned:
-    """Rest of each label, by all parts of it that may be a subject's name."""
+    """Rest of each label by possible subjects; every part of a label that may be a name counts."""
     found: _Owned = {}
     for label in labels:
         for name, rest in splits(label):

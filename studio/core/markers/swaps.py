@@ -1,4 +1,4 @@
-"""Swaps: two markers that exchange their labels during tracking."""
+"""Swaps: exchanges of the labels of two markers during tracking."""
 
 from dataclasses import dataclass
 from itertools import combinations
@@ -20,7 +20,7 @@ _LONGEST = 0.5
 
 @dataclass(frozen=True)
 class Swap:
-    """Exchange of the labels of two markers from ``frame`` on."""
+    """Exchange of the labels of the markers ``first`` and ``second`` from ``frame`` on."""
 
     first: int
     second: int
@@ -30,7 +30,7 @@ class Swap:
 def find_swaps(points: FloatArray, places: tuple[int, ...], frame_rate: float, metres: float) -> list[Swap]:
     """Swaps of two tracks of ``points`` (F, P, 3) that continue smoothly only when exchanged.
 
-    The expected position of a marker extrapolates its last velocity, through gaps as well. Swaps are found one after
+    The expected position of a marker extrapolates its last velocity, also through gaps. Swaps are found one after
     another: a pair that changes back is found twice.
     """
     track = metres * points[:, places]
@@ -67,9 +67,7 @@ def _suspects(track: FloatArray) -> list[int]:
 
 
 def _expected(track: FloatArray, frame: int, frame_rate: float) -> FloatArray:
-    """(P, 3) expected position of each marker by the last two frames in which it was seen; NaN if these are too long
-    ago.
-    """
+    """Expected positions (P, 3) of the markers by their last two seen frames; NaN if these are too long ago."""
     expected = np.full(track.shape[1:], np.nan)
     start = max(0, frame - int(_LONGEST * frame_rate) - 2)
     window = track[start:frame]

@@ -1,4 +1,4 @@
-"""MarkerTake: a trial, its marker map and its cleaning steps: everything from which a body is solved."""
+"""Marker take: a trial, its marker map and its cleaning steps, from which a body is solved."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -27,13 +27,13 @@ _CARRIERS = (
 
 @dataclass(frozen=True, eq=False)
 class MarkerTake:
-    """A recorded trial, unchanged, with the user's marker map and cleaning steps, from which the body is computed."""
+    """Recorded trial, unchanged, with the user's marker map and cleaning steps, from which a body is computed."""
 
     trial: Trial
     marker_map: MarkerMap
     steps: tuple[Step, ...] = USUAL_STEPS
     subject: str = ""
-    """Prefix of the labels that are read, where the trial holds several subjects."""
+    """Prefix of the labels that are read, for a trial with several subjects."""
 
     def with_map(self, marker_map: MarkerMap) -> "MarkerTake":
         """Copy with another marker map."""
@@ -46,27 +46,29 @@ class MarkerTake:
 
 @dataclass(frozen=True)
 class TrackedBody:
-    """Joint centres (F, 3) and positions by role, without gaps, in metres and file axes, from frame 0 to the last
-    one with a body.
+    """Joint centres (F, 3) and positions by role, without gaps, in metres and file axes.
+
+    The frames are those from 0 to the last one with a body.
     """
 
     joints: Mapping[str, FloatArray]
     tracks: Mapping[str, FloatArray]
     measures: Measures
     first_frame: int
-    """The first one in which the body is seen; before it, it stands still."""
+    """First frame in which the body is seen; before it, the body stands still."""
     reports: tuple[StepReport, ...]
     unseen: int
-    """Frames from there on in which some place of the body was not seen and not filled by a step."""
+    """Number of frames after that in which some position was neither seen nor filled by a cleaning step."""
     stored: Mapping[str, FloatArray]
     """Joint centres that a model left in the trial; with gaps."""
     seen: Mapping[str, NDArray[np.bool_]]
-    """Frames (F,) in which each joint or place of a role is seen and not held."""
+    """Mask (F,) of the frames in which each joint or role is seen and not held constant."""
 
 
 def track_body(take: MarkerTake) -> TrackedBody:
-    """Tracked body: points cleaned, joint centres found, remaining gaps closed. Raises StudioError if
-    there is no body.
+    """Tracked body of a take: points cleaned, joint centres found, remaining gaps closed.
+
+    Raises StudioError if there is no body.
     """
     trial, reports = cleaned_trial(take.trial.with_labels(mapped_labels(take)), take.steps)
     markers = role_markers(trial, take.marker_map, take.subject)
@@ -107,8 +109,10 @@ def track_body(take: MarkerTake) -> TrackedBody:
 
 
 def centre_errors(take: MarkerTake) -> dict[str, float]:
-    """Greatest distance in metres, by joint, between the joint centre found and the one that a model left in the trial,
-    of the trial as recorded.
+    """Greatest distances in metres, by joint, between the computed joint centre and the one that a model left in the
+    trial.
+
+    They are computed from the trial as recorded, without cleaning.
     """
     markers = role_markers(take.trial, take.marker_map, take.subject)
     stored = stored_centres(take.trial, take.marker_map, take.subject)
@@ -130,7 +134,7 @@ def mapped_labels(take: MarkerTake) -> tuple[str, ...]:
 
 
 def _seen(tracks: Mapping[str, FloatArray]) -> tuple[NDArray[np.bool_], tuple[str, ...]]:
-    """Frames in which the reference segment of the body is seen, and its roles."""
+    """Mask of the frames in which the reference segment of the body is seen, and the roles of this segment."""
     best: tuple[NDArray[np.bool_], tuple[str, ...]] = (np.zeros(1, dtype=bool), ())
     for roles in _CARRIERS:
         if all(role in tracks for role in roles):
@@ -150,7 +154,7 @@ def _carrier_axes(tracks: Mapping[str, FloatArray], roles: tuple[str, ...]) -> t
 
 
 def _whole_pairs(joints: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """Limbs whose joints are all known on both sides; half a limb would have no bones."""
+    """Joints of the limbs whose joints are all known on both sides; half a limb would have no bones."""
     whole: dict[str, FloatArray] = {}
     for limb in (("hip", "knee", "ankle"), ("shoulder", "elbow", "wrist")):
         names = [f"{side}_{joint}" for side in ("left", "right") for joint in limb]
@@ -165,7 +169,7 @@ def _closed_cluster(markers: FloatArray, origin: FloatArray, axes: FloatArray) -
 
 
 def _closed(track: FloatArray, origin: FloatArray, axes: FloatArray) -> FloatArray:
-    """Track (F, 3) without gaps, relative to the pelvis: interpolated linearly, constant at both ends."""
+    """Track (F, 3) without gaps, interpolated linearly in the axes of the pelvis, and constant at both ends."""
     if seen_mask(track).all():
         return track
     local = np.einsum("fji,fj->fi", axes, track - origin)

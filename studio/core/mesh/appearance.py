@@ -23,25 +23,27 @@ _COLOUR = re.compile(r"#[0-9A-Fa-f]{6}")
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """Material: ``colour`` is ``#RRGGBB`` and tints the texture if there is one.
+    """Material of a mesh; ``colour`` is ``#RRGGBB`` and tints the texture if there is one.
 
-    Raises ValueError if the colour is invalid or the texture is not a row of bytes.
+    Raises ValueError if the colour is invalid or the texture is no byte array.
     """
 
     name: str
     colour: str
     texture: NDArray[np.uint8] | None = None
-    """(B,) bytes of a PNG or JPEG file, as they came."""
+    """Bytes (B,) of a PNG or JPEG file, unchanged."""
     two_sided: bool = False
     cut_out: bool = False
     """True if the surface has holes where its texture is transparent: lashes, hair, leaves."""
     metallic: float = 0.0
     roughness: float = 1.0
-    """From 0 to 1; they scale the map of both."""
+    """Roughness from 0 to 1; it scales its map, as ``metallic`` does."""
     emission: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Linear light that it emits; it scales the emissive map."""
+    """Emitted linear light; it scales the emissive map."""
     maps: Mapping[str, NDArray[np.uint8]] = field(default_factory=dict)
-    """Pictures (B,) at the same coordinates, by their names in ``MATERIAL_MAPS``; kept for exports and not drawn."""
+    """Pictures (B,) by their names in ``MATERIAL_MAPS``, at the same texture coordinates; kept for exports and not
+    drawn.
+    """
 
     def __post_init__(self) -> None:
         if not _COLOUR.fullmatch(self.colour):
@@ -78,9 +80,9 @@ class Appearance:
 
     materials: tuple[Material, ...]
     triangle_materials: NDArray[np.int32]
-    """(T,) index of each triangle's material."""
+    """Index (T,) of the material of each triangle."""
     coordinates: NDArray[np.float32]
-    """(V, 2) place in the texture: 0 to 1 to the right and upwards, repeating beyond."""
+    """Texture coordinates (V, 2): 0 to 1 to the right and upwards, repeating beyond."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "triangle_materials", _frozen(self.triangle_materials, np.int32))
@@ -102,7 +104,7 @@ def _picture(content: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _is_frozen(array: NDArray[Any]) -> bool:
-    """True for bytes that nobody can change: one picture may be shared by materials."""
+    """True for bytes that cannot be changed: materials may then share one picture."""
     return array.dtype == np.uint8 and array.base is None and not array.flags.writeable
 
 

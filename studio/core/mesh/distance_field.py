@@ -12,19 +12,19 @@ from studio.core.project_cache import project_cache
 
 FloatArray = NDArray[np.float64]
 
-NODES = 300_000
-"""Nodes of the grid, about: they decide how fine it is."""
-LEAST_CELL = 0.003
-"""Metres: finer than a hand feels."""
+FIELD_NODES = 300_000
+"""Approximate number of nodes of the grid, which determines its resolution."""
+LEAST_CELL_METRES = 0.003
+"""Least distance in metres between nodes: finer than a hand can feel."""
 FIELD_MARGIN_CELLS = 4
-"""Cells around the mesh."""
+"""Margin of the grid around the mesh, in cells."""
 FIELD_NEAR_CELLS = 3
-"""Cells within which every triangle is measured."""
+"""Distance from the mesh in cells within which distances are exact."""
 
 
 @project_cache(maxsize=8)
 def distance_field(mesh: TriangleMesh) -> FloatArray:
-    """Field of ``mesh`` for ``kernels.tasks.mesh_distance_field``: a grid in the mesh's own space."""
+    """Signed distance field of ``mesh`` for ``kernels.tasks.mesh_distance_field``: a grid in the mesh's own space."""
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     cell = _cell(high - low)
     counts = np.ceil((high - low) / cell).astype(int) + 2 * FIELD_MARGIN_CELLS + 1
@@ -45,15 +45,17 @@ def distance_field(mesh: TriangleMesh) -> FloatArray:
 
 
 def _cell(size: FloatArray) -> float:
-    """Metres between the nodes of a grid of about ``NODES`` over ``size`` (3,) and its margin."""
-    cell = max(float(size.max()) / 20.0, LEAST_CELL)
-    while cell > LEAST_CELL and math.prod(size / cell + 2 * FIELD_MARGIN_CELLS + 1) < NODES:
+    """Distance in metres between nodes of a grid of about ``FIELD_NODES`` over ``size`` (3,) metres and its margin."""
+    cell = max(float(size.max()) / 20.0, LEAST_CELL_METRES)
+    while cell > LEAST_CELL_METRES and math.prod(size / cell + 2 * FIELD_MARGIN_CELLS + 1) < FIELD_NODES:
         cell *= 0.97
     return cell
 
 
 def _part_normals(mesh: TriangleMesh) -> FloatArray:
-    """(T, 7, 3) normals of face, three edges and three corners of each triangle, the last by angle."""
+    """Normals (T, 7, 3) of face, three edges and three corners of each triangle; those of corners are weighted by
+    angle.
+    """
     corners = mesh.vertices[mesh.triangles]
     along = np.roll(corners, -1, axis=1) - corners
     faces = np.cross(along[:, 0], along[:, 1])

@@ -1,4 +1,4 @@
-"""Other shapes of the hands of a mesh: open, half closed, and as fists."""
+"""Hand shapes of a mesh other than at ease: open, half closed, and fists."""
 
 from dataclasses import dataclass
 
@@ -8,16 +8,16 @@ from numpy.typing import NDArray
 OPEN_GRIP, RELAXED_GRIP, HALF_CLOSED_GRIP, FIST_GRIP = -1.0, 0.0, 0.5, 1.0
 GRIPS = (OPEN_GRIP, RELAXED_GRIP, HALF_CLOSED_GRIP, FIST_GRIP)
 FINGER_BENDS = np.radians([[0.0, 0.0, 0.0], [15.0, 40.0, 55.0], [35.0, 85.0, 115.0], [90.0, 190.0, 260.0]])
-"""(4, 3) angles of the three bones of a finger with the palm in each of ``GRIPS``."""
+"""Angles (4, 3) in radians of the three bones of a finger to the palm in each of ``GRIPS``."""
 FINGER_LENGTH, FINGER_RADIUS = 0.08, 0.008
-"""Metres of an adult's finger that close round what it holds."""
+"""Length and radius in metres of an adult's finger that closes around an object."""
 STORED_GRIPS = (OPEN_GRIP, HALF_CLOSED_GRIP, FIST_GRIP)
-"""The grip of each shape that is stored; the mesh itself has its hands at ease."""
+"""Grips of the stored shapes; the mesh itself has its hands at ease."""
 
 
 @dataclass(frozen=True, eq=False)
 class HandShapes:
-    """Positions and normals (3, G, 3) of the last G vertices of a mesh with its hands open, half closed and as fists.
+    """Positions and normals (3, G, 3) of the last G vertices of a mesh: with open, half closed and fist hands.
 
     Raises ValueError if the arrays do not fit each other.
     """
@@ -42,6 +42,7 @@ class HandShapes:
 
     @property
     def count(self) -> int:
+        """Number G of vertices that change with the shape of the hands."""
         return len(self.vertices[0])
 
     def shaped_vertices(
@@ -60,6 +61,6 @@ class HandShapes:
 
 
 def grip_round(thickness: float) -> float:
-    """Grip, from open (-1) to fists (1), whose fingers lie round a rod of ``thickness`` metres."""
+    """Grip, from open (-1) to fists (1), of fingers that close around a rod of ``thickness`` metres."""
     bend = FINGER_LENGTH / (thickness / 2.0 + FINGER_RADIUS)
     return float(np.interp(bend, FINGER_BENDS[:, -1], GRIPS))

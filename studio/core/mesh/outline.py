@@ -13,10 +13,10 @@ _SAME = 4
 
 
 def outline_at(height: float, mesh: SkinnedMesh, vertices: FloatArray, shares: FloatArray) -> FloatArray:
-    """(N, 2) x, y of the points at which edges of ``mesh``, with its ``vertices`` (V, 3), cross ``height``.
+    """Points (N, 2) x, y at which edges of ``mesh``, with its ``vertices`` (V, 3), cross ``height``.
 
-    Only the largest closed or open line counts, so that capes, sleeves and hanging arms are left out, and only its
-    vertices with ``shares`` (V,) over a half. Edges are cut, because a mesh may have few vertices.
+    Only the largest closed or open line is used, so that capes, sleeves and hanging arms are left out, and only its
+    vertices with ``shares`` (V,) over a half. Edges are cut because a mesh may have few vertices.
     """
     above = vertices[:, 2] > height
     a, b, c = (np.take(above, corner) for corner in _corners(mesh))
@@ -37,9 +37,9 @@ def outline_at(height: float, mesh: SkinnedMesh, vertices: FloatArray, shares: F
 
 
 def _lines(begin: NDArray[np.int64], end: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """(2 T,) the line of each cut edge of ``count`` triangles T: one edge of each, then the other.
+    """Index (2 T,) of the connected line of each cut edge of ``count`` triangles T: one edge of each, then the other.
 
-    Connected components by their least node; importing a graph library would take longer than finding all outlines.
+    Components are found by their least node; importing a graph library would take longer than finding all outlines.
     """
     edges = (np.minimum(begin, end) << 32) + np.maximum(begin, end)
     nodes = np.unique(edges, return_inverse=True)[1].ravel()
@@ -58,11 +58,11 @@ def _lines(begin: NDArray[np.int64], end: NDArray[np.int64], count: int) -> NDAr
 
 @project_cache(maxsize=64)
 def _corners(mesh: SkinnedMesh) -> NDArray[np.intp]:
-    """(3, T) vertices of all triangles, corner by corner, the layout that is gathered fastest."""
+    """Vertices (3, T) of all triangles, corner by corner: the layout that is gathered fastest."""
     return np.ascontiguousarray(mesh.triangles.T, dtype=np.intp)
 
 
 @project_cache(maxsize=64)
 def _welded(mesh: SkinnedMesh) -> NDArray[np.int64]:
-    """(V,) index of each vertex, equal for coincident vertices."""
+    """Index (V,) of each vertex, equal for coincident vertices."""
     return np.unique(np.round(mesh.vertices, _SAME), axis=0, return_inverse=True)[1].ravel()

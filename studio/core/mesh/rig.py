@@ -1,4 +1,4 @@
-"""Rig: the joints of a character's file, with their names and axes, and the skin bound to them."""
+"""Rig of a character's file: its joints with their names and axes, and the skin bound to them."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.body.humanoid import BodyMap
-from studio.core.plausible import SKIN
+from studio.core.plausible import SKIN_RANGE
 
 FloatArray = NDArray[np.float64]
 
-NO_SEGMENT = -1
-"""The segment of a joint above the pelvis, which no segment moves."""
+UNMOVED_JOINT = -1
+"""Segment index of a joint above the pelvis, which no segment moves."""
 _COLUMNS: tuple[tuple[str, type, tuple[int, ...]], ...] = (
     ("parents", np.int32, ()),
     ("positions", np.float64, (3,)),
@@ -24,22 +24,22 @@ _COLUMNS: tuple[tuple[str, type, tuple[int, ...]], ...] = (
 
 @dataclass(frozen=True, eq=False)
 class RigFile:
-    """Joints as they rest in the file that a rig comes from, so that an export drops on it.
+    """Bind pose of a rig in its own file, so that an exported motion fits on the rig.
 
-    The file's world has the studio's axes here, as a file of its kind that the studio writes is turned: a point p of it
-    is at ``rotation`` p + ``position`` in the space of the mesh. Raises ValueError naming a member that is wrong.
+    A point p of the file's world is at ``rotation`` p + ``position`` in the space of the mesh, after the file's axes
+    are converted to the studio's. Raises ValueError naming a member that is wrong.
     """
 
     format: str
-    """Name of its format."""
+    """Name of the file format."""
     rotation: FloatArray
-    """(3, 3)"""
+    """Rotation (3, 3) from the file's world to the space of the mesh."""
     position: FloatArray
-    """(3,) metres"""
+    """Origin (3,) in metres of the file's world in the space of the mesh."""
     scales: FloatArray
-    """(J,) units of its kind of file (centimetres for FBX, else metres) in a unit of each joint's own axes."""
+    """Scale (J,) of each joint: file units (centimetres for FBX, else metres) per unit of the joint's own axes."""
     bones: NDArray[np.bool_]
-    """(J,) False for a node that only carries bones."""
+    """Mask (J,) of bones; False for a node that only carries bones."""
 
     def __post_init__(self) -> None:
         for name, kind, shape in (
@@ -53,30 +53,30 @@ class RigFile:
             raise ValueError("rig: its file is mirrored or flat.")
 
     def to_file(self, positions: FloatArray, rotations: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Positions (..., 3) and rotations (..., 3, 3) in the file's world."""
+        """Positions (..., 3) and rotations (..., 3, 3), converted to the file's world."""
         return (positions - self.position) @ self.rotation, self.rotation.T @ rotations
 
 
 @dataclass(frozen=True, eq=False)
 class Rig:
-    """J joints, parents before children, at their bind positions in the space of the mesh.
+    """Joints of a character's file, parents before children, at their bind positions in the space of the mesh.
 
     Raises ValueError naming a member whose shape or content is wrong.
     """
 
     names: tuple[str, ...]
     parents: NDArray[np.int32]
-    """(J,), -1 for the root."""
+    """Index (J,) of the parent of each joint; -1 for the root."""
     positions: FloatArray
-    """(J, 3) metres, Z up."""
+    """Bind positions (J, 3) in metres, Z up."""
     rotations: FloatArray
-    """(J, 3, 3) of the joints' own axes in the world."""
+    """World rotations (J, 3, 3) of the joints' own axes."""
     segments: NDArray[np.int32]
-    """(J,) the canonical segment that each moves with, ``NO_SEGMENT`` above the pelvis."""
+    """Canonical segment (J,) with which each joint moves; ``UNMOVED_JOINT`` above the pelvis."""
     joints: NDArray[np.int32]
-    """(V, n) joints from which each vertex hangs."""
+    """Joints (V, n) to which each vertex is bound."""
     weights: NDArray[np.float32]
-    """(V, n), each row sums to 1; 0 where there is no influence."""
+    """Weights (V, n) of these joints, with sum 1 in each row; 0 where there is no influence."""
     file: RigFile | None = field(default=None, metadata={"sparse": True})
     """None for a file whose axes are unknown."""
 
@@ -92,10 +92,10 @@ class Rig:
             raise ValueError("rig: a joint comes before its parent, or there are several roots.")
         if self.joints.ndim != 2 or self.joints.min(initial=0) < 0 or self.joints.max(initial=0) >= count:
             raise ValueError("rig: a vertex hangs from a joint that is not there.")
-        SKIN.check(self.positions)
+        SKIN_RANGE.check(self.positions)
         if not np.allclose(self.rotations @ np.swapaxes(self.rotations, 1, 2), np.eye(3), atol=1e-4):
             raise ValueError("rig: holds a matrix that is not a rotation.")
-        if self.segments.min() < NO_SEGMENT or not (np.linalg.det(self.rotations) > 0.0).all():
+        if self.segments.min() < UNMOVED_JOINT or not (np.linalg.det(self.rotations) > 0.0).all():
             raise ValueError("rig: holds a segment that is none, or a mirrored joint.")
         if (self.weights < 0.0).any() or not np.allclose(self.weights.sum(axis=1), 1.0, atol=1e-4):
             raise ValueError("rig: weights are not negative, and each row sums to 1.")
@@ -104,7 +104,7 @@ class Rig:
 
 
 def _freeze(record: object, name: str, kind: type, shape: tuple[int, ...]) -> None:
-    """Set a member of a frozen record to a read-only array of ``shape``; ValueError if it is none."""
+    """Set a member of a frozen record to a read-only array of ``shape``. Raises ValueError if it has another shape."""
     array: NDArray[Any] = np.array(getattr(record, name), dtype=kind)
     if array.shape != shape or not np.isfinite(array).all():
         raise ValueError(f"rig: {name} are not finite numbers of shape {shape}.")
@@ -113,7 +113,7 @@ def _freeze(record: object, name: str, kind: type, shape: tuple[int, ...]) -> No
 
 
 def rig_body_map(rig: Rig, spine_count: int) -> BodyMap:
-    """Body map: the first joint that moves with the segment of each part."""
+    """Body map of a rig: for each part, the first joint that moves with its segment."""
     first = {int(segment): int(np.argmax(rig.segments == segment)) for segment in np.unique(rig.segments)}
     spine = tuple(first[segment] for segment in range(spine_count) if segment in first)
     layout = BodyLayout(spine_count)

@@ -1,4 +1,4 @@
-"""A skin: a mesh bound to the segments of a body, fitted to other bodies and deformed by their poses."""
+"""Skin: a mesh bound to the segments of a body, fitted to other bodies and deformed by their poses."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -15,10 +15,11 @@ from studio.core.body.standing import standing_points
 from studio.core.mesh.appearance import Appearance
 from studio.core.mesh.hand_shapes import HandShapes
 from studio.core.mesh.rig import Rig
-from studio.core.plausible import SKIN
+from studio.core.plausible import SKIN_RANGE
 from studio.core.project_cache import project_cache
 
-INFLUENCES = 4
+VERTEX_INFLUENCES = 4
+"""Maximum number of segments to which a vertex is bound."""
 _FOOT_LENGTHS = (0.6, 1.6)
 _FOOT_HEIGHTS = (0.3, 4.0)
 _COLUMNS: tuple[tuple[str, type, int], ...] = (
@@ -26,8 +27,8 @@ _COLUMNS: tuple[tuple[str, type, int], ...] = (
     ("normals", np.float32, 3),
     ("centres", np.float32, 3),
     ("triangles", np.int32, 3),
-    ("segments", np.int32, INFLUENCES),
-    ("weights", np.float32, INFLUENCES),
+    ("segments", np.int32, VERTEX_INFLUENCES),
+    ("weights", np.float32, VERTEX_INFLUENCES),
 )
 
 
@@ -35,9 +36,9 @@ class Blending(StrEnum):
     """Method that blends the motions of several segments into the motion of a vertex."""
 
     LINEAR = "linear"
-    """Weighted mean of the positions that each segment gives the vertex, or the centre that its mesh defines."""
+    """Weighted mean of the positions that each segment gives the vertex, or its centre of rotation."""
     DUAL_QUATERNIONS = "dual_quaternions"
-    """One screw motion between them: wrists and shoulders keep their girth when they twist."""
+    """One screw motion between those of the segments: wrists and shoulders keep their girth when they twist."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,14 +58,15 @@ class SkinnedMesh:
     segments: NDArray[np.int32]
     weights: NDArray[np.float32]
     stance: FloatArray | None = None
-    """(K+18, 3, 3) world rotations of the segments when bound, standing as ``standing_points`` has it; None stands
-    for the rest pose."""
+    """World rotations (K+18, 3, 3) of the segments in the bind pose, with points as in ``standing_points``; None for
+    the rest pose.
+    """
     appearance: Appearance | None = None
-    """None for one that is all of its character's colour."""
+    """Materials; None for a mesh that has only the colour of its character."""
     hands: HandShapes | None = None
-    """None for one whose hands have one shape."""
+    """Further shapes of the hands; None for a mesh whose hands have one shape."""
     rig: Rig | None = None
-    """The joints of the file that it came from; None where it had none."""
+    """Joints of the file that the mesh came from; None if it had none."""
 
     def __post_init__(self) -> None:
         for name, kind, width in _COLUMNS:
@@ -75,7 +77,7 @@ class SkinnedMesh:
             if not np.isfinite(array).all():
                 raise ValueError(f"{name}: holds a number that is not finite.")
             if (kind, width) == (np.float32, 3):
-                SKIN.check(array)
+                SKIN_RANGE.check(array)
             array.setflags(write=False)
             object.__setattr__(self, name, array)
         if not len(self.vertices) or not len(self.triangles):
@@ -125,8 +127,8 @@ def skin_vertices(
     """World vertices and normals (V, 3) of one frame, written in place if ``out_`` arrays are given.
 
     ``positions`` (K+23, 3) and ``rotations`` (K+18, 3, 3) pose a body of ``morphology``; ``mesh`` is bound to
-    ``build``. The mesh fitted to ``morphology`` is cached. ``shaped`` gives it other vertices and normals for this
-    frame, such as bent fingers.
+    ``build``. The mesh fitted to ``morphology`` is cached. ``shaped``, if given, returns other vertices and normals of
+    the fitted mesh for this frame, such as bent fingers.
     """
     from studio.core.kernels.body import dual_quaternions, skinning  # late: numba takes longer than a window
 
@@ -149,8 +151,9 @@ def skin_vertices(
 
 @project_cache(maxsize=64)
 def with_grip(mesh: SkinnedMesh, grip: float) -> SkinnedMesh:
-    """``mesh`` with its hands from open (-1) over at ease (0) to fists (1); unchanged if its hands
-    have only one shape.
+    """Mesh with its hands shaped by ``grip`` from open (-1) over at ease (0) to fists (1).
+
+    A mesh whose hands have only one shape is returned unchanged.
     """
     if mesh.hands is None or grip == 0.0:
         return mesh
@@ -159,13 +162,13 @@ def with_grip(mesh: SkinnedMesh, grip: float) -> SkinnedMesh:
 
 
 def bound_pose(mesh: SkinnedMesh, morphology: Morphology) -> tuple[FloatArray, FloatArray]:
-    """Positions (K+23, 3) and rotations (K+18, 3, 3) in which ``mesh``, fitted to ``morphology``, is bound."""
+    """Points (K+23, 3) and rotations (K+18, 3, 3) of the bind pose of ``mesh``, fitted to ``morphology``."""
     return rest_pose(morphology) if mesh.stance is None else _standing(mesh, morphology)
 
 
 @project_cache(maxsize=64)
 def fit_skin(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> SkinnedMesh:
-    """``mesh``, bound to ``build``, reshaped to fit ``morphology``.
+    """Mesh bound to ``build``, reshaped to fit ``morphology``.
 
     Each segment stretches with its bone and thickens with the body; a uniformly scaled body gives a uniformly scaled
     mesh. Raises ValueError if the two bodies differ in the number of spine segments.
@@ -191,7 +194,7 @@ def fit_skin(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> Sk
 
 
 def fit_vertices(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> NDArray[np.float32]:
-    """Vertices (V, 3) of ``fit_skin`` alone, in a third of its time."""
+    """Vertices (V, 3) of ``mesh`` fitted to ``morphology``, in a third of the time of ``fit_skin``."""
     if build == morphology:
         return mesh.vertices
     form, shift = _forms(mesh, build, morphology)
@@ -199,7 +202,7 @@ def fit_vertices(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -
 
 
 def _forms(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> tuple[FloatArray, FloatArray]:
-    """(V, 3, 3) linear map and (V, 3) translation of each vertex from ``build`` to ``morphology``."""
+    """Linear map (V, 3, 3) and translation (V, 3) of each vertex from ``build`` to ``morphology``."""
     forms, shifts = segment_forms(mesh, build, morphology)
     rows = np.concatenate([forms.reshape(-1, 9), shifts], axis=1)
     blended = np.zeros((len(mesh.vertices), rows.shape[1]))
@@ -210,9 +213,7 @@ def _forms(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> tupl
 
 
 def segment_forms(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> tuple[FloatArray, FloatArray]:
-    """(S, 3, 3) linear map and (S, 3) translation of whatever is bound to each segment, from ``build`` to
-    ``morphology``.
-    """
+    """Linear map (S, 3, 3) and translation (S, 3) from ``build`` to ``morphology`` of points bound to each segment."""
     if build.layout != morphology.layout:
         raise ValueError("A skin fits bodies with the same number of spine segments only.")
     old_positions, old_rotations = bound_pose(mesh, build)
@@ -224,10 +225,10 @@ def segment_forms(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) 
 
 
 def segment_scales(build: Morphology, morphology: Morphology) -> FloatArray:
-    """(K+18, 3) stretch of each segment along its own axes, from ``build`` to ``morphology``.
+    """Stretch factors (K+18, 3) of each segment along its own axes, from ``build`` to ``morphology``.
 
-    Girth follows the ratio that most measures share, and a quarter of the segment's own lengthening beyond it; head and
-    hands keep their form; feet grow with their length and reach down to the ground; the trunk widens with hips and
+    Girth follows the ratio that most measures share, and a quarter of the segment's own lengthening beyond it. Head and
+    hands keep their shape. Feet grow with their length and reach down to the ground. The trunk widens with hips and
     shoulders.
     """
     layout, spine_count = build.layout, build.layout.spine_count
@@ -248,10 +249,11 @@ def segment_scales(build: Morphology, morphology: Morphology) -> FloatArray:
 
 
 def _foot_scales(build: Morphology, morphology: Morphology, side: int, shared: float) -> FloatArray:
-    """(2, 3) stretch of foot and toe: horizontally by their lengths, vertically so that the sole stays on the ground.
+    """Stretch factors (2, 3) of foot and toe: horizontally by their lengths, vertically so that the sole stays on the
+    ground.
 
-    Limited to the neighbourhood of the ratio that most measures share, because a captured foot may have zero length or
-    height.
+    They are limited to the neighbourhood of the ratio that most measures share, because a captured foot may have zero
+    length or height.
     """
     measures = [
         [(np.linalg.norm(body.foot[side, :2]), body.ankle_height[side]),
@@ -265,14 +267,14 @@ def _foot_scales(build: Morphology, morphology: Morphology, side: int, shared: f
 
 
 def _bone_lengths(body: Morphology) -> FloatArray:
-    """(K+18,) length of each segment: the distance between its two ends."""
+    """Length (K+18,) of each segment between its two ends."""
     positions, _ = rest_pose(body)
     ends = positions[list(body.layout.distal_points())] - positions[list(body.layout.proximal_points())]
     return np.asarray(np.linalg.norm(ends, axis=1))
 
 
 def _trunk_widths(body: Morphology) -> FloatArray:
-    """Distance between the hips, and between the shoulders."""
+    """Distances between the hips and between the shoulders."""
     shoulders = np.ptp(body.collar_base[:, 1]) + body.clavicle.sum()
     return np.array([np.ptp(body.hip_offset[:, 1]), shoulders])
 

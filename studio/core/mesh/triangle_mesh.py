@@ -14,10 +14,10 @@ MOST_TRIANGLES = 2_000_000
 
 @dataclass(frozen=True, eq=False)
 class TriangleMesh:
-    """``vertices`` (V, 3) metres and ``triangles`` (T, 3) of them, counter-clockwise seen from outside.
+    """Triangle mesh: ``vertices`` (V, 3) in metres and ``triangles`` (T, 3), counter-clockwise seen from outside.
 
-    Coincident vertices are merged, triangles without an area are dropped. Raises ValueError for a mesh without a
-    triangle, with the index of a missing vertex, or with a number that is not finite.
+    Coincident vertices are merged, and triangles without area are dropped. Raises ValueError for a mesh without
+    triangles, for an index of a missing vertex, and for numbers that are not finite.
     """
 
     vertices: NDArray[np.float64]
@@ -54,7 +54,9 @@ class TriangleMesh:
 def _welded(
     vertices: NDArray[np.float64], triangles: NDArray[np.int64]
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Vertices merged within a millionth of the mesh's size, and only triangles that have an area."""
+    """Vertices, of which those nearer than a millionth of the mesh's size are merged, and the triangles that have an
+    area.
+    """
     if not len(triangles):
         return vertices, triangles
     size = max(float(np.ptp(vertices, axis=0).max()), 1e-9)

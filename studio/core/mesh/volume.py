@@ -1,4 +1,4 @@
-"""Collision volume of a body: tapered capsules for trunk, head and thighs, spheres along its arms.
+"""Collision volume of a body: tapered capsules for trunk, head and thighs, and spheres along the arms.
 
 Self-collision needs a shape of the body that is evaluated in nanoseconds. Every body has the same capsules in the same
 order, so that those of two bodies can be compared.
@@ -20,25 +20,27 @@ from studio.core.mesh.outline import outline_at
 from studio.core.mesh.skin import SkinnedMesh, bound_pose, fit_vertices
 from studio.core.project_cache import project_cache
 
-LEVELS = (0.03, 0.30, 0.58, 0.80)
-"""Heights at which the trunk is measured, parts of the way from the hips to the neck base."""
-PROBES = ((0, 0.0), (0, 0.5), (0, 1.0), (1, 0.45), (1, 0.85))
-"""Places of the spheres of an arm: bone (0 forearm, 1 hand) and part of its length."""
-PALM_SURFACE_PROBE = PROBES[3][1]
-"""The same of the palm."""
-CAPSULES_OF = {"hips": (0, 1), "trunk": (2, 3, 4, 5), "head": (6,), "thigh": (7, 8)}
-"""The capsules of a body by the part that they stand for."""
+TRUNK_LEVELS = (0.03, 0.30, 0.58, 0.80)
+"""Heights at which the trunk is measured, as fractions of the distance from the hips to the neck base."""
+ARM_PROBES = ((0, 0.0), (0, 0.5), (0, 1.0), (1, 0.45), (1, 0.85))
+"""Positions of the spheres of an arm: bone (0 forearm, 1 hand) and fraction of its length."""
+PALM_SURFACE_PROBE = ARM_PROBES[3][1]
+"""Position of the palm's sphere, as a fraction of the hand's length."""
+PART_CAPSULES = {"hips": (0, 1), "trunk": (2, 3, 4, 5), "head": (6,), "thigh": (7, 8)}
+"""Indices of the capsules that represent each part of the body."""
 _BAND = 0.015
 """Half height of the band in which the trunk is measured at a level, as a fraction of leg plus spine length."""
 _FEWEST, _THINNEST = 8, 0.4
-"""Places of an outline, and part of the usual breadth and depth, that a trunk has at least: less is a rod, or a gap."""
+"""Least number of points of an outline, and least fraction of the typical breadth and depth of a trunk; below them, the
+mesh has only a rod or a gap there.
+"""
 _HEAD_LEVELS, _LOWEST_HEAD = (0.25, 0.5), -0.6
 """Heights at which the head is measured, and its lowest, parts of its length: brims and long hair do not count."""
 _THIGH = (0.2, 0.9)
 _ARM_BANDS = ((0.0, 0.15), (0.4, 0.6), (0.85, 1.0), (0.3, 0.6), (0.7, 1.0))
-"""Places at which ``PROBES`` are measured, in parts of its bone's length."""
+"""Places at which ``ARM_PROBES`` are measured, in parts of its bone's length."""
 _ARM_SHARES = (0.5, 0.5, 0.5, 0.25, 0.25)
-"""Fraction of the vertices in each band that lie within the measured radius (a quantile)."""
+"""Quantile of the distances of a band's vertices from the bone that is taken as its radius."""
 _USUAL_TRUNK_SECTIONS = ((0.123, 0.071, -0.096), (0.100, 0.069, -0.060), (0.118, 0.095, -0.057), (0.122, 0.090, -0.051))
 _THIGH_GIRTH, _HEAD, _ARM_GIRTH = (0.065, 0.036), (0.066, 0.018, 0.27, 0.50), (0.024, 0.022, 0.016, 0.015, 0.011)
 """An ordinary body's sections (half width, front, back), thigh, head (radius, forward, from, to in head lengths) and
@@ -47,11 +49,11 @@ arm, in parts of the length of leg and spine together: means of two bundled char
 
 @dataclass(frozen=True, eq=False)
 class BodyVolume:
-    """Capsules and spheres of one body, fixed to its segments.
+    """Collision volume of one body: capsules and spheres fixed to its segments.
 
-    ``segments`` (N, 2) are the parents of the two ends of each capsule, ``places`` (N, 2, 3) their positions in the
-    segment's axes from its origin, ``radii`` (N, 2) the radii there, all metres. ``girths`` (P,) are the radii of the
-    spheres along each arm, at ``PROBES``.
+    ``segments`` (N, 2) are the segments that carry the two ends of each capsule, ``places`` (N, 2, 3) the positions of
+    the ends relative to the segment's origin, in its axes, and ``radii`` (N, 2) the radii there, all in metres.
+    ``girths`` (P,) are the radii of the spheres along each arm, at ``ARM_PROBES``.
     """
 
     segments: NDArray[np.int64]
@@ -77,9 +79,9 @@ class BodyVolume:
 
 @project_cache(maxsize=64)
 def fitted_volume(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) -> BodyVolume:
-    """Volume of a skin of ``build`` fitted to ``morphology``, in its bind pose (``skin.bound_pose``).
+    """Collision volume of a skin of ``build`` fitted to ``morphology``, in its bind pose (``skin.bound_pose``).
 
-    Where the mesh has no vertices, or is only a rod, the body's proportions give typical values.
+    Where the mesh has no vertices, or is only a rod, typical values for the body's proportions are used.
     """
     positions, rotations = bound_pose(mesh, morphology)
     vertices = np.asarray(fit_vertices(mesh, build, morphology), dtype=np.float64)
@@ -90,27 +92,27 @@ def fitted_volume(mesh: SkinnedMesh, build: Morphology, morphology: Morphology) 
 
 @lru_cache(maxsize=64)
 def usual_volume(morphology: Morphology) -> BodyVolume:
-    """Typical volume of a body of which only the measures are known."""
+    """Typical collision volume of a body of which only the measures are known."""
     return _assembled(morphology, *rest_pose(morphology), _TypicalGirths(morphology))
 
 
 class _Girths(Protocol):
-    """Thickness of a body's parts, in metres."""
+    """Thickness of the parts of a body in metres."""
 
     def section(self, level: int, height: float) -> tuple[float, float, float]:
-        """Half width, front and back of the trunk at one of ``LEVELS``, which lies at a ``height``."""
+        """Half width, front and back of the trunk at one of ``TRUNK_LEVELS``, which lies at ``height`` metres."""
 
     def thigh(self, end: int) -> float: ...
 
     def head(self) -> tuple[float, float, float, float]:
-        """Radius, forward offset, and begin and end in head lengths."""
+        """Radius, forward offset, and begin and end of the head's capsule in head lengths."""
 
     def arm(self, probe: int) -> float: ...
 
 
 @dataclass(frozen=True)
 class _TypicalGirths(_Girths):
-    """Girths of an ordinary body with these measures."""
+    """Thickness of the parts of an average body with these measures."""
 
     morphology: Morphology
 
@@ -132,7 +134,9 @@ class _TypicalGirths(_Girths):
 
 @dataclass(frozen=True, eq=False)
 class _MeasuredGirths(_Girths):
-    """Girths of a mesh with ``vertices`` (V, 3) round a posed body; typical ones for parts without vertices."""
+    """Thickness of the parts of a mesh with ``vertices`` (V, 3) around a posed body; typical for parts without
+    vertices.
+    """
 
     morphology: Morphology
     mesh: SkinnedMesh
@@ -165,26 +169,30 @@ class _MeasuredGirths(_Girths):
         return radius, 0.5 * float(low[0] + high[0]), min(bottom + inset, middle), max(1.0 - inset, middle)
 
     def arm(self, probe: int) -> float:
-        """Radius at a probe in metres; of a flat hand, half the thickness from palm to back rather than half the width.
+        """Radius at a probe in metres; for a flat hand, half the thickness from palm to back and not half the width.
 
         A fist is as thick as it is wide.
         """
-        part = BodyPart.LEFT_HAND if PROBES[probe][0] else BodyPart.LEFT_FOREARM
+        part = BodyPart.LEFT_HAND if ARM_PROBES[probe][0] else BodyPart.LEFT_FOREARM
         least = self._girth(part, _ARM_BANDS[probe], _ARM_SHARES[probe], _TypicalGirths(self.morphology).arm(probe))
         if part is BodyPart.LEFT_FOREARM:
             return least
-        return float(np.fmax(least, 0.5 * np.ptp(self._rings(part, (PROBES[probe][1],)), axis=0).min()))
+        return float(np.fmax(least, 0.5 * np.ptp(self._rings(part, (ARM_PROBES[probe][1],)), axis=0).min()))
 
     def _girth(self, part: BodyPart, band: tuple[float, float], share: float, otherwise: float) -> float:
-        """Distance from the bone that contains a ``share`` of the vertices in a ``band`` of the bone's length;
-        ``otherwise`` if the band has fewer than four vertices.
+        """Radius around the bone of ``part`` that contains the fraction ``share`` of the vertices in ``band``.
+
+        The band is in fractions of the bone's length. The radius is ``otherwise`` if the band has fewer than four
+        vertices.
         """
         own = self._in_bone(part, self._main(part))
         near = own[(own[:, 2] >= band[0]) & (own[:, 2] <= band[1])]
         return float(np.quantile(np.hypot(near[:, 0], near[:, 1]), share)) if len(near) >= 4 else otherwise
 
     def _rings(self, part: BodyPart, heights: Sequence[float]) -> FloatArray:
-        """(2, 2) least and greatest x, y of the outlines across a part, at fractions of its length; or NaN."""
+        """Least and greatest x, y (2, 2) of the outlines across ``part`` at ``heights``, fractions of its length; NaN
+        if there are none.
+        """
         own, shares = (
             self._in_bone(part),
             self._shares(self.mesh.segments == self.morphology.layout.segment_of_part(part)),
@@ -201,7 +209,7 @@ class _MeasuredGirths(_Girths):
         return np.asarray(local / [1.0, 1.0, float(np.linalg.norm(end - begin))])
 
     def _main(self, part: BodyPart) -> NDArray[np.intp]:
-        """Vertices whose heaviest weight is that of a part."""
+        """Indices of the vertices whose greatest weight is that of ``part``."""
         return np.flatnonzero(self.mesh.segments[:, 0] == self.morphology.layout.segment_of_part(part))
 
     def _shares(self, counted: NDArray[np.bool_]) -> FloatArray:
@@ -225,14 +233,15 @@ def _assembled(
     rotations: FloatArray,
     girths: _Girths,
 ) -> BodyVolume:
-    """Capsules of a body: two side by side between neighbouring levels of the trunk, then the head and both thighs.
+    """Volume of a body: two capsules side by side between neighbouring levels of the trunk, then the head and both
+    thighs.
 
-    ``positions`` and ``rotations`` are those in which the trunk's sections were measured.
+    ``positions`` and ``rotations`` are the pose in which the sections of the trunk were measured.
     """
     layout = morphology.layout
     spine, hips = positions[: layout.neck_base + 1], positions[layout.hip_point(0), 2]
     ends = []
-    for level, share in enumerate(LEVELS):
+    for level, share in enumerate(TRUNK_LEVELS):
         height = hips + share * (spine[-1, 2] - hips)
         width, front, back = girths.section(level, height)
         radius = min(width, 0.5 * (front - back))
@@ -257,5 +266,5 @@ def _assembled(
         places.append([np.array([0.0, 0.0, 0.12 * length]), np.array([0.0, 0.0, length])])
         radii.append([girths.thigh(0), girths.thigh(1)])
     return BodyVolume(
-        np.array(segments), np.array(places), np.array(radii), np.array([girths.arm(k) for k in range(len(PROBES))])
+        np.array(segments), np.array(places), np.array(radii), np.array([girths.arm(k) for k in range(len(ARM_PROBES))])
     )

@@ -1,1 +1,1 @@
-"""The morphology-independent motion: normalise, realise, edit."""
+"""Morphology-independent motions: normalise captures, realise motions on bodies, and edit motions."""

@@ -1,4 +1,4 @@
-"""The actor of a capture: its measures, and the relation of its own joints to the canonical segments."""
+"""Actor of a capture: its measures, and the relation of its own joints to the canonical segments."""
 
 from dataclasses import dataclass
 
@@ -16,10 +16,10 @@ FloatArray = NDArray[np.float64]
 class SourceRig:
     """Everything in a capture except its motion; with it the capture can be restored from its normalised motion.
 
-    ``segment_joints`` (S,) the source joint whose rotation moves each canonical segment, -1 if the capture has none and
-    the segment moves with its parent; ``alignments`` (S, 3, 3) with R_canonical = R_joint A; ``origin`` (3,) of the
-    motion's space in the capture's; ``pass_through`` the source's local poses, of which only joints without a segment
-    (fingers, eyes, twist bones) are used.
+    ``segment_joints`` (S,) is the source joint whose rotation moves each canonical segment, or -1 if the capture has
+    none and the segment moves with its parent. ``alignments`` (S, 3, 3) satisfy R_canonical = R_joint A. ``origin``
+    (3,) is that of the motion's space in the capture's. ``pass_through`` are the source's local poses, of which only
+    joints without a segment (fingers, eyes, twist bones) are used.
     """
 
     skeleton: Skeleton

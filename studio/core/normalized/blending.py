@@ -1,4 +1,4 @@
-"""Row of clips that fade into each other in channels, which hold no lengths, before any body is known.
+"""Row of clips that are cross-faded in channels, which hold no lengths, before any body is known.
 
 It is used for bodies supported by more than their feet, and for layers. Overlapping clips are cross-faded; at other
 changes the difference decays (``transition``). A contact in both clips lasts through their blend as one contact, so it
@@ -22,20 +22,22 @@ from studio.core.normalized.transition import Inertialisation, joint_peaks
 
 FloatArray = NDArray[np.float64]
 
-OLD_UNTIL, NEW_FROM = 0.1, 0.9
-"""Parts of a blend until which a contact of the old clip alone still holds, and from which one of the new."""
+OLD_CONTACT_END, NEW_CONTACT_BEGIN = 0.1, 0.9
+"""Fractions of a blend: until the first, contacts of the old clip alone still hold; from the second on, those of the
+new clip.
+"""
 BLEND_STEP_SECONDS = 0.4
-"""Seconds that a step takes in a transition; as many more are added for each leg length of the step."""
-STEP_HEIGHT, STEP_HEIGHTS = 0.25, (0.04, 0.12)
-"""Height of a foot in a step, as a fraction of the step's length, and its least and greatest height in leg lengths."""
+"""Duration in seconds of a step in a transition, and additional seconds for each leg length of the step."""
+STEP_HEIGHT_FRACTION, STEP_HEIGHT_RANGE = 0.25, (0.04, 0.12)
+"""Height of a foot in a step as a fraction of the step's length, and its least and greatest height in leg lengths."""
 
 
 @dataclass
 class BlendedRow(AssembledRow):
-    """Row with blended changes.
+    """Row of clips in which changes are blended.
 
-    ``peaks`` are the ``joint_peaks`` of what was assembled before frame ``measured``; at first those of the hidden part
-    of the first piece.
+    ``peaks`` are the ``joint_peaks`` of the assembled frames before ``measured``; at first those of the hidden part of
+    the first piece.
     """
 
     peaks: FloatArray | None = None
@@ -80,8 +82,9 @@ class BlendedRow(AssembledRow):
         found: ClipAlignment,
         seconds: float = 0.0,
     ) -> None:
-        """Change to a piece at ``first``, the end of the assembled frames; the difference decays in ``seconds`` or, if
-        that is 0, in the time that it needs.
+        """Change to a piece at frame ``first``, the end of the assembled frames; the difference decays in ``seconds``.
+
+        If ``seconds`` is 0, the difference decays in the time that its size needs.
         """
         rate, frames = self.timing.frame_rate, np.arange(first, last + 1)
         seconds = seconds or max(transition.seconds, step_seconds(found))
@@ -106,15 +109,20 @@ class BlendedRow(AssembledRow):
         return Inertialisation.of(gaps[-1], (gaps[-1] - gaps[0]) * rate, peaks)
 
     def _fades(self, transition: Inertialisation, first: int, last: int, found: ClipAlignment) -> bool:
-        """True if a piece overlaps the assembled frames by the time that a blend needs."""
+        """True if a piece overlaps the assembled frames for as long as a blend needs."""
         if first > self.end - 2:
             return False
         needed = max(transition.seconds, step_seconds(found))
         return needed <= (min(self.end, last + 1) - first) / self.timing.frame_rate
 
     def _go_on(self, channels: FloatArray, stands: Mask, first: int, blending: int, found: ClipAlignment) -> None:
-        """Write ``channels`` and the contacts ``stands`` from ``first`` on; ``blending`` of the frames are a blend."""
-        old_until, new_from = first + int(OLD_UNTIL * blending), first + int(np.ceil(NEW_FROM * blending))
+        """Write ``channels`` and the contacts ``stands`` from ``first`` on, of which ``blending`` frames
+        are a blend.
+        """
+        old_until, new_from = (
+            first + int(OLD_CONTACT_END * blending),
+            first + int(np.ceil(NEW_CONTACT_BEGIN * blending)),
+        )
         flights = planned_steps(found.steps, min(old_until, self.end - 1), new_from)
         raise_feet(channels, flights, first)
         self._merge(stands, first, old_until, new_from, flights)
@@ -122,7 +130,8 @@ class BlendedRow(AssembledRow):
         self.channels[first : last + 1], self.end = channels, last + 1
 
     def _merge(self, stands: Mask, first: int, old_until: int, new_from: int, flights: Sequence["Flight"]) -> None:
-        """Merge the contacts across a blend: one that continues in the new clip stays one; others avoid its middle.
+        """Merge the contacts across a blend: one in both clips continues; others end or begin outside the middle of the
+        blend.
 
         A stepping foot is in contact until it is lifted, and again once it has landed.
         """
@@ -145,13 +154,13 @@ class BlendedRow(AssembledRow):
 
 
 def step_seconds(found: ClipAlignment) -> float:
-    """Seconds that the steps of a join need."""
+    """Seconds that the steps of the alignment ``found`` need."""
     return sum(BLEND_STEP_SECONDS + each.displacement for each in found.steps)
 
 
 @dataclass(frozen=True)
 class Flight:
-    """Step whose last frame of contact is ``leaves``, and whose next one is ``next_contact``."""
+    """Flight of a foot in a step, from its ``last_contact`` frame to its ``next_contact`` frame."""
 
     step: FootStep
     last_contact: int
@@ -159,7 +168,7 @@ class Flight:
 
 
 def planned_steps(steps: Sequence[FootStep], first: int, last: int) -> list[Flight]:
-    """Steps between two frames, one after the other, of equal duration."""
+    """Flights of ``steps`` from frame ``first`` to ``last``, one after the other, of equal duration."""
     ends = np.rint(np.linspace(first, last, len(steps) + 1)).astype(int).tolist()
     return [Flight(step, *between) for step, *between in zip(steps, ends, ends[1:], strict=False)]
 
@@ -168,7 +177,7 @@ def raise_feet(channels: FloatArray, flights: Sequence[Flight], first: int) -> N
     """Lift feet for their steps, in place, in ``channels`` that begin with frame ``first``."""
     for each in flights:
         frames = np.arange(each.last_contact, each.next_contact + 1)
-        height = np.clip(STEP_HEIGHT * each.step.displacement, *STEP_HEIGHTS)
+        height = np.clip(STEP_HEIGHT_FRACTION * each.step.displacement, *STEP_HEIGHT_RANGE)
         rise = height * np.sin(np.pi * (frames - each.last_contact) / max(len(frames) - 1, 1)) ** 2
         inside = frames - first < len(channels)
         channels[frames[inside] - first, at.LIMB_SLACK + 2 + each.step.side] += rise[inside]

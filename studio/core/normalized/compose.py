@@ -1,7 +1,7 @@
-"""Row of clips as one motion: trimmed, retimed, mirrored and placed in channels, which hold no lengths.
+"""Composition of a row of clips into one motion: trimmed, retimed, mirrored and placed, in channels without lengths.
 
-The result is a motion like any other, scaled, grounded and solved for any body. Where one clip takes over from another
-the body is inertialised after it is grounded (``row``); one that is supported by more than its feet is blended before
+The result is a motion like any other, scaled, grounded and solved for any body. At a change of clips the body is
+inertialised after it is grounded (``row``); a body that is supported by more than its feet is blended before
 (``blending``).
 """
 
@@ -26,27 +26,29 @@ from studio.core.stage.timing import Timing
 
 FloatArray = NDArray[np.float64]
 FRAME_LIMIT = 250_000
-"""Most frames of a row, pauses included: half an hour at 120 frames a second, about a gigabyte for each body."""
+"""Maximum number of frames of a row, pauses included: half an hour at 120 frames per second, about a gigabyte for each
+body.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Composite:
-    """Motion composed of a row of pieces, with its contacts, its time on the stage and the frames of each piece."""
+    """Motion composed of a row of pieces, with its contacts, its timing on the stage, and the frames of each piece."""
 
     motion: NormalizedMotion
     contacts: tuple[ContactInterval, ...]
     timing: Timing
     played: tuple[PlayedPiece, ...]
     fingers_before: FingerPoses | None = None
-    """Fingers of the last frame shown, where a row takes over from another."""
+    """Finger poses of the last frame shown before this row takes over from another; None if there is none."""
 
     @property
     def is_plain(self) -> bool:
-        """True if it is a single unchanged motion, apart from layers over it."""
+        """True if this is a single unchanged motion, apart from layers over it."""
         return len(self.played) == 1 and self.played[0].piece.is_plain
 
     def at(self, frame: int) -> "Composite":
-        """Composite of a single frame, which becomes frame 0."""
+        """Composite of the single ``frame``, which becomes frame 0."""
         motion, timing = self.motion, self.timing
         still = NormalizedMotion(
             motion.name, motion.frame_rate, motion.channels[frame : frame + 1], motion.spine_places, motion.girdle
@@ -55,17 +57,17 @@ class Composite:
         return Composite(still, (), Timing(timing.stage_time(frame), timing.frame_rate, 0, 0), played)
 
     def piece_at(self, frame: int) -> PlayedPiece:
-        """Piece that plays in a frame; of two the later one."""
+        """Piece that plays in ``frame``; of two the later one."""
         begun = [each for each in self.played if each.first <= frame]
         return begun[-1] if begun else self.played[0]
 
 
 @project_cache(maxsize=64)
 def compose_pieces(pieces: tuple[MotionPiece, ...], blends: bool = False) -> Composite:
-    """One motion made of pieces, in the order of their start; equal pieces give the same cached value.
+    """Motion composed of ``pieces`` in the order of their start; equal pieces give the same cached value.
 
-    A single unchanged piece gives its motion itself, whole. The frame rate is the highest. One that ``blends`` has no
-    changes: it may be mixed with others.
+    A single unchanged piece gives its whole motion. The frame rate is the highest of the pieces. With ``blends`` the
+    clips are cross-faded, and the result, which has no ``changes``, can be mixed with others.
     """
     ordered = sorted(pieces, key=lambda piece: piece.start)
     first = ordered[0]
@@ -79,7 +81,7 @@ def compose_pieces(pieces: tuple[MotionPiece, ...], blends: bool = False) -> Com
 
 
 def blended_continuation(shown: MotionPiece, played: NormalizedMotion, pieces: Sequence[MotionPiece]) -> Composite:
-    """Row of ``pieces`` blended from ``shown``, a short piece of the latest frames.
+    """Row of ``pieces`` that continues from ``shown``, a short piece of the latest frames, by a blend.
 
     The allowed acceleration is that of the recent motion ``played``.
     """
@@ -91,7 +93,9 @@ def blended_continuation(shown: MotionPiece, played: NormalizedMotion, pieces: S
 
 
 def pieces_after(shown: MotionPiece, pieces: Sequence[MotionPiece]) -> Composite:
-    """``pieces`` placed to follow ``shown``, whose own frames are replaced by earlier ones of the first piece."""
+    """Row of ``pieces`` placed to follow ``shown``, whose own frames are replaced by earlier frames of the
+    first piece.
+    """
     row = AssembledRow(*_empty([shown, *pieces]))
     row.add(shown)
     row.add_lead_in(pieces[0])
@@ -99,12 +103,12 @@ def pieces_after(shown: MotionPiece, pieces: Sequence[MotionPiece]) -> Composite
 
 
 def _empty(pieces: Sequence[MotionPiece]) -> tuple[FloatArray, Timing]:
-    """Row without pieces, with the spine positions and timing for ``pieces``."""
+    """Spine positions and timing of a row for ``pieces``."""
     return common_spine([piece.motion for piece in pieces]), timing_of_pieces(pieces)
 
 
 def _filled(row: AssembledRow, pieces: Sequence[MotionPiece]) -> Composite:
-    """Composite of a row after ``pieces`` have been added to it."""
+    """Composite of ``row`` after ``pieces`` have been added to it."""
     for piece in pieces:
         row.add(piece)
     row.hold_last_pose(row.timing.last + 1)
@@ -118,7 +122,7 @@ def _filled(row: AssembledRow, pieces: Sequence[MotionPiece]) -> Composite:
 
 
 def timing_of_pieces(pieces: Sequence[MotionPiece]) -> Timing:
-    """Timing of a row, at the highest frame rate among its pieces; StudioError if it is far too long."""
+    """Timing of a row at the highest frame rate of its pieces. Raises StudioError if the row is far too long."""
     rate = max(piece.motion.frame_rate for piece in pieces)
     begin, end = min(piece.start for piece in pieces), max(piece.end for piece in pieces)
     last = round((end - begin) * rate)

@@ -14,32 +14,33 @@ from studio.core.rotations import inverse, multiply, normalized, sign_continuous
 FloatArray = NDArray[np.float64]
 
 ANGLE_CHANNELS = (at.YAW, *range(at.LIMB_TWIST, at.HAND))
-"""Columns that are angles: a full turn more or less is the same."""
+"""Columns of channels that are angles, in which full turns make no difference."""
 SLACKS = slice(at.LIMB_SLACK, at.LIMB_OFF_PLANE)
 OFF_PLANES = slice(at.LIMB_OFF_PLANE, at.LIMB_BEND)
 BENDS = slice(at.LIMB_BEND, at.LIMB_TWIST)
 
 
 def turn_columns(width: int) -> NDArray[np.int64]:
-    """(T,) first columns of the quaternions in channels of ``width`` columns."""
+    """First columns (T,) of the quaternions in channels with ``width`` columns."""
     return np.array([*at.QUATERNION_COLUMNS, *range(at.SPINE, width, 4)])
 
 
 def channel_quaternions(channels: FloatArray) -> FloatArray:
-    """(..., T, 4) quaternions of channels (..., C)."""
+    """Quaternions (..., T, 4) in ``channels`` (..., C)."""
     return np.asarray(channels[..., turn_columns(channels.shape[-1])[:, None] + np.arange(4)])
 
 
 def write_quaternions(channels: FloatArray, turns: FloatArray) -> None:
-    """Write quaternions (..., T, 4) into their columns of channels (..., C)."""
+    """Write the quaternions ``turns`` (..., T, 4) into their columns of ``channels`` (..., C)."""
     channels[..., turn_columns(channels.shape[-1])[:, None] + np.arange(4)] = turns
 
 
 def channel_difference(start: FloatArray, end: FloatArray) -> FloatArray:
-    """(..., C) difference from channels ``start`` to ``end``: ``moved(start, difference(start, end))`` is ``end``.
+    """Difference (..., C) between channels, such that ``with_difference(start, channel_difference(start, end))`` is
+    ``end``.
 
     Rotation vectors are in the first three columns of their quaternions, folds in those of slacks and off-planes,
-    lengths beyond a limb's own in those of bends. The shorter arc is taken, in the first of frames (F, C) only; the
+    lengths beyond a limb's own in those of bends. The shorter arc is taken in the first of frames (F, C) only; the
     others continue it, or a blend would whirl where both arcs are equally long.
     """
     between = end - start
@@ -56,7 +57,7 @@ def channel_difference(start: FloatArray, end: FloatArray) -> FloatArray:
 
 
 def with_difference(channels: FloatArray, by: FloatArray) -> FloatArray:
-    """(..., C) channels with a ``channel_difference`` added."""
+    """Channels (..., C) with the ``channel_difference`` ``by`` added."""
     from scipy.spatial.transform import Rotation  # late: it takes longer than a window
 
     summed = channels + by
@@ -72,7 +73,7 @@ def with_difference(channels: FloatArray, by: FloatArray) -> FloatArray:
 
 
 def blended_channels(first: FloatArray, second: FloatArray, shares: FloatArray) -> FloatArray:
-    """(F, C) interpolation from channels ``first`` to ``second`` by the fractions ``shares`` (F,)."""
+    """Interpolation (F, C) from channels ``first`` to ``second`` by the fractions ``shares`` (F,)."""
     return with_difference(first, shares[:, None] * channel_difference(first, second))
 
 
@@ -81,7 +82,7 @@ def _continuous(angles: FloatArray) -> FloatArray:
 
 
 def rotation_vectors(turns: FloatArray) -> FloatArray:
-    """(..., 3) rotation vectors of quaternions (..., 4), longer than pi where w is negative."""
+    """Rotation vectors (..., 3) of quaternions (..., 4); longer than pi where w is negative."""
     sine = np.linalg.norm(turns[..., :3], axis=-1, keepdims=True)
     scale = np.where(sine > 1e-12, 2.0 * np.arctan2(sine, turns[..., 3:]) / np.maximum(sine, 1e-12), 2.0)
     return np.asarray(scale * turns[..., :3])
@@ -91,10 +92,10 @@ _FOLDS = (OFF_PLANES, SLACKS, BENDS)
 
 
 def _folds(channels: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Fold of each limb, (..., 4) each: radians out of its plane, radians within it, and slack below zero.
+    """Fold of each limb (..., 4): radians out of its plane, radians within it, and negative slack.
 
     The norm of the two angles is the angle whose 1 - cos is the limb's slack; in a limb with two equal bones it is half
-    the bend. Slack is below zero where a limb is stretched beyond its length, as in some captures.
+    the bend. Slack is negative where a limb is stretched beyond its length, as in some captures.
     """
     slack = channels[..., SLACKS]
     fold = 2.0 * np.arcsin(np.sqrt(np.clip(slack, 0.0, 2.0) / 2.0))

@@ -17,9 +17,9 @@ BODY_FORWARD = np.array([1.0, 0.0, 0.0])
 def encode_motion(
     positions: FloatArray, rotations: FloatArray, body: Morphology, frame_rate: float, name: str = ""
 ) -> NormalizedMotion:
-    """Motion whose ``realize_motion`` on ``body`` gives positions (F, K+23, 3) and rotations (F, K+18, 3, 3) back.
+    """Motion whose ``realize_motion`` on ``body`` returns positions (F, K+23, 3) and rotations (F, K+18, 3, 3).
 
-    Exact if the bones have the body's lengths; other displacements (of the hips) are kept as play.
+    It is exact if the bones have the body's lengths; other displacements (of the hips) are kept as those of the actor.
     """
     layout = body.layout
     actor = actor_sizes(body, np.concatenate([body.arm.sum(axis=1), body.leg.sum(axis=1)]))
@@ -32,7 +32,7 @@ def encode_motion(
 
 
 def actor_sizes(body: Morphology, limbs: FloatArray) -> ActorSizes:
-    """Sizes of a body that channels do not contain, for arms and legs of ``limbs`` (4,) metres."""
+    """Sizes of a body that channels do not contain, for arms and legs with the lengths ``limbs`` (4,) in metres."""
     rests = np.array([frame_along(rest, BODY_FORWARD) for rest in (body.neck_rest, *body.clavicle_rest)])
     ankle_height, leg, neck = float(body.ankle_height.mean()), float(body.leg_length), float(body.neck)
     return ActorSizes(rests, body.hip_offset, limbs, ankle_height, leg, neck)

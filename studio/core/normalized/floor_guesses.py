@@ -6,7 +6,7 @@ from studio.core.captures.capture import Capture, Guess
 from studio.core.captures.confidence import Confidence
 from studio.core.normalized.normalize import captured_steps, sole_heights
 
-REPORTED_DRIFT = 0.01
+REPORTED_DRIFT_METRES = 0.01
 """Least drift in metres that is reported."""
 DRIFT_REASON = "As far apart lie the footprints of one foot. It is taken off when the motion is set on the ground."
 STEPS_REASON = (
@@ -16,9 +16,9 @@ STEPS_REASON = (
 
 
 def floor_drift(capture: Capture) -> float:
-    """Metres between the lowest and the highest floor in the footprints of one foot; 0 if there are not two.
+    """Height difference in metres of the lowest and highest footprints of one foot; 0 if there are not two.
 
-    It is reported, because adaptation removes it (METHOD 5).
+    It is reported to the user because adaptation removes it (METHOD 5).
     """
     if capture.body_map is None:
         return 0.0
@@ -26,7 +26,7 @@ def floor_drift(capture: Capture) -> float:
 
 
 def steps_guess(capture: Capture) -> Guess | None:
-    """Offer of the steps on which a capture was recorded; None without any."""
+    """Guess that the capture was recorded on steps, which the user may accept; None if there are none."""
     steps = captured_steps(capture)
     if steps is None:
         return None
@@ -35,9 +35,9 @@ def steps_guess(capture: Capture) -> Guess | None:
 
 
 def with_floor_reported(capture: Capture) -> Capture:
-    """Capture with the drift of its floor, if it is large enough to report, and steps on it among its guesses."""
+    """Capture whose guesses include the drift of its floor, if it is large enough to report, and steps on it."""
     guesses, drift, steps = [], floor_drift(capture), steps_guess(capture)
-    if drift >= REPORTED_DRIFT:
+    if drift >= REPORTED_DRIFT_METRES:
         guesses.append(Guess("floor drift", f"{100.0 * drift:.1f} cm", DRIFT_REASON, Confidence.SURE))
     if steps is not None:
         guesses.append(steps)

@@ -1,4 +1,4 @@
-"""Alignment of a motion with the end of another (Kovar et al. 2002, equation 1)."""
+"""Alignment of the begin of a motion with the end of another (Kovar et al. 2002, equation 1)."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -14,9 +14,9 @@ from studio.core.normalized.realize import realize_motion
 FloatArray = NDArray[np.float64]
 
 STANDING_WEIGHT, BODY_WEIGHT, SWINGING_WEIGHT = 20.0, 1.0, 0.05
-"""Weights of the points: feet that stand in both motions, hips and shoulders, feet in the air."""
-SAME_PLACE = 0.06
-"""Distance in leg lengths between two positions of a foot up to which it is held in one place through a blend."""
+"""Weights of points in the alignment: feet that stand in both motions, hips and shoulders, feet in the air."""
+SAME_FOOTHOLD_DISTANCE = 0.06
+"""Distance in leg lengths between two positions of a foot below which it is held at one position through a blend."""
 
 FOOT_STEP_LIMIT = 1.2
 """Longest step in leg lengths: a body that is moved farther jumps there without steps."""
@@ -24,7 +24,7 @@ FOOT_STEP_LIMIT = 1.2
 
 @dataclass(frozen=True)
 class PlanarTransform:
-    """Rotation about Z in radians, followed by an offset on the ground in leg lengths."""
+    """Transform on the ground: a rotation about Z in radians, followed by an offset in leg lengths."""
 
     turn: float = 0.0
     offset: tuple[float, float] = (0.0, 0.0)
@@ -39,7 +39,7 @@ class PlanarTransform:
 
 @dataclass(frozen=True)
 class FootStep:
-    """Step of the foot of a ``side`` (0 left, 1 right) by ``displacement`` in leg lengths."""
+    """Step of the foot of ``side`` (0 left, 1 right) by ``displacement`` in leg lengths."""
 
     side: int
     displacement: float
@@ -47,7 +47,7 @@ class FootStep:
 
 @dataclass(frozen=True)
 class ClipAlignment:
-    """Placement of the new motion on the ground, and the steps that it needs, in their order."""
+    """Placement of a new clip on the ground, and the steps of the feet that this needs, in their order."""
 
     placement: PlanarTransform
     steps: tuple[FootStep, ...] = ()
@@ -58,14 +58,14 @@ def clip_alignment(
 ) -> ClipAlignment:
     """Placement that aligns channels ``second`` (F, C) with ``first`` (F, C), frame by frame, and the steps it needs.
 
-    ``both_stand`` (F, 4) is True where a point of ``FOOT_POINTS`` stands in both; ``shares`` (F,) are the frames'
-    weights. The rotation and the offset on the ground minimise the weighted sum of squared distances between the points
-    of an average body; standing feet weigh most. If both feet cannot be aligned, one is, and the other has to step.
+    ``both_stand`` (F, 4) masks the points of ``FOOT_POINTS`` that stand in both; ``shares`` (F,) are the weights of the
+    frames. Rotation and offset minimise the weighted sum of squared distances between the points of an average body;
+    standing feet weigh most. If both feet cannot be aligned, one is, and the other has to step.
     """
     old, new = (_points(channels, spine_places) for channels in (first, second))
     placement = _least_squares(old, new, shares[:, None] * _weights(both_stand))
     misses = [_foot_distance(old, new, placement, both_stand, side) for side in range(2)]
-    if max(misses) < SAME_PLACE:
+    if max(misses) < SAME_FOOTHOLD_DISTANCE:
         return ClipAlignment(placement)
     alone = [both_stand & (np.arange(4) // 2 == side) for side in range(2)]
     tries = [_least_squares(old, new, shares[:, None] * _weights(each)) for each in alone]
@@ -81,17 +81,17 @@ def alignment_by_steps(
     spine_places: FloatArray,
     placement: PlanarTransform,
 ) -> ClipAlignment:
-    """Alignment with a given ``placement``: feet step there, unless one has to move farther than
+    """Alignment with a given ``placement``: feet step to it, unless one has to move farther than
     ``FOOT_STEP_LIMIT``.
     """
     old, new = (_points(channels, spine_places) for channels in (first, second))
     ways = [_foot_distance(old, new, placement, both_stand, side) for side in range(2)]
-    steps = tuple(FootStep(side, way) for side, way in enumerate(ways) if way >= SAME_PLACE)
+    steps = tuple(FootStep(side, way) for side, way in enumerate(ways) if way >= SAME_FOOTHOLD_DISTANCE)
     return ClipAlignment(placement, steps if max(ways) < FOOT_STEP_LIMIT else ())
 
 
 def _points(channels: FloatArray, spine_places: FloatArray) -> FloatArray:
-    """Horizontal positions, (F, 8, 2), of hips, shoulders and ``FOOT_POINTS`` of an average body, in leg lengths."""
+    """Horizontal positions (F, 8, 2) of hips, shoulders and ``FOOT_POINTS`` of an average body, in leg lengths."""
     body = average_body()
     layout = body.layout
     points = [layout.hip_point(0), layout.hip_point(1), layout.collar_point(0) + 1, layout.collar_point(1) + 1]
@@ -106,7 +106,7 @@ def _weights(both_stand: NDArray[np.bool_]) -> FloatArray:
 
 
 def _least_squares(old: FloatArray, new: FloatArray, weights: FloatArray) -> PlanarTransform:
-    """Weighted least-squares alignment of ``new`` with ``old``, (F, 8, 2).
+    """Transform that aligns ``new`` (F, 8, 2) with ``old`` (F, 8, 2) with the least weighted squared distances.
 
     The rotation is that of body and feet each about their own middle, so that a body is not turned round a foot.
     """
@@ -142,7 +142,7 @@ def _turned(places: FloatArray, turn: float) -> FloatArray:
 
 @cache
 def average_body() -> Morphology:
-    """Body of average proportions, on whose points motions are aligned."""
+    """Body of average proportions, whose points are used to align motions."""
     both, sides = np.ones(2), np.array([[1.0, 1.0, 1.0], [1.0, -1.0, 1.0]])
     return Morphology(
         spine=np.tile([0.0, 0.0, 0.16], (3, 1)),

@@ -1,4 +1,4 @@
-"""Positions of the canonical points in a capture's own skeleton, in its reference pose and in every frame."""
+"""Positions of the canonical points on a capture's own skeleton, in its reference pose and in every frame."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout, BodyPart
-from studio.core.body.hand_end import USUAL_HAND, hand_reach, has_hand_length
+from studio.core.body.hand_end import USUAL_HAND_FRACTION, hand_reach, has_hand_length
 from studio.core.body.humanoid import BodyMap
 from studio.core.body.kinematics import joint_world, joint_world_in, rest_poses
 from studio.core.body.skeleton import Skeleton
@@ -27,10 +27,10 @@ _NECK = 0.15
 class Landmarks:
     """Canonical points of one capture, and the joints that move its segments.
 
-    ``points`` (F, P, 3) metres in capture space, ``reference`` (P, 3) the same in the reference pose;
-    ``segment_joints`` (S,) as in ``SourceRig``; ``rotations`` (F, S, 3, 3) in the world of the joint that moves each
-    segment, its own or its parent's, ``reference_rotations`` (S, 3, 3) the same in the reference pose;
-    ``reference_is_rest`` is True if the reference is the skeleton's own zero pose, not a frame of its motion.
+    ``points`` (F, P, 3) are in metres in capture space, ``reference`` (P, 3) the same points in the reference pose.
+    ``segment_joints`` (S,) are as in ``SourceRig``. ``rotations`` (F, S, 3, 3) are world rotations of the joint that
+    moves each segment, its own or its parent's, and ``reference_rotations`` (S, 3, 3) those in the reference pose.
+    ``reference_is_rest`` is True if the reference pose is the skeleton's own zero pose, not a frame of its motion.
     """
 
     layout: BodyLayout
@@ -42,9 +42,10 @@ class Landmarks:
     reference_is_rest: bool
 
     def align_rotations(self, alignments: FloatArray) -> FloatArray:
-        """Rotate ``rotations`` in place into canonical ones R_joint A, A from ``find_alignments``; returns them.
+        """Convert ``rotations`` in place to canonical ones R_joint A, and return them; A is from ``find_alignments``.
 
-        Those of a long capture need much memory, and nothing reads a joint's own afterwards.
+        The conversion is in place because the rotations of a long capture need much memory, and nothing uses those of
+        the joints afterwards.
         """
         from studio.core.kernels.body.encode_channels import align_segments  # late: it loads numba
 
@@ -58,12 +59,14 @@ class Landmarks:
 
 
 def measured_frames(frame_count: int, first: int = 0) -> slice:
-    """Frames from ``first`` on in which bones are measured: evenly spread, and enough of them in a long capture."""
+    """Frames from ``first`` on in which bones are measured: evenly spread, and at most a fixed number in a long
+    capture.
+    """
     return slice(first, None, max(1, (frame_count - first) // _ENOUGH))
 
 
 def find_landmarks(capture: Capture, body_map: BodyMap) -> Landmarks:
-    """Landmarks of a mapped capture; points that a skeleton lacks are placed by their neighbours."""
+    """Landmarks of a mapped capture; points that a skeleton lacks are derived from neighbouring ones."""
     layout = BodyLayout(len(body_map.spine))
     joints = _segment_joints(layout, body_map)
     moving, skeleton = _carried(layout, joints), capture.skeleton
@@ -97,7 +100,7 @@ def _segment_joints(layout: BodyLayout, body_map: BodyMap) -> IntArray:
 
 
 def _carried(layout: BodyLayout, joints: IntArray) -> IntArray:
-    """Joint that moves each segment, its own or its parent's."""
+    """Index (S,) of the joint that moves each segment, its own or its parent's."""
     moving = joints.copy()
     for segment, parent in enumerate(layout.parent_segments()):
         if moving[segment] < 0:
@@ -164,7 +167,7 @@ def _place_arm_ends(
     along = points[:, layout.wrist_point(side)] - positions[:, forearm]
     reach = np.zeros_like(along) if wrist is None else hand_reach(skeleton, wrist, positions)
     odd = ~has_hand_length(reach, along)
-    reach[odd] = USUAL_HAND * along[odd]
+    reach[odd] = USUAL_HAND_FRACTION * along[odd]
     points[:, layout.wrist_point(side) + 1] = points[:, layout.wrist_point(side)] + reach
 
 
@@ -191,7 +194,7 @@ def _place_foot_end(
 
 
 def _far_child(skeleton: Skeleton, joint: int, carries_none_of: Collection[int] = ()) -> int | None:
-    """Child that is farthest from ``joint``: the end of its bone."""
+    """Child joint that is farthest from ``joint``, as the end of its bone; None without any."""
     children = [
         child for child in skeleton.children[joint] if not {child, *skeleton.descendants(child)} & set(carries_none_of)
     ]

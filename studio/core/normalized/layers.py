@@ -1,7 +1,8 @@
-"""Layers over a row of clips: a part of the body plays another clip, or a clip's difference from a reference is added.
+"""Layers over a row of clips: a part of the body plays another clip, or the difference of a clip from a reference pose
+is added.
 
-All of it happens in channels, which hold no lengths: the trunk in the pelvis, head and arms in the thorax, legs with
-the hips in the world. Contacts of a limb are those of the layer that moves it.
+Layers are applied in channels, which hold no lengths: the trunk relative to the pelvis, head and arms to the thorax,
+legs with the hips in the world. Contacts of a limb are those of the layer that moves it.
 """
 
 from collections.abc import Sequence
@@ -20,23 +21,23 @@ from studio.core.normalized.joining import ClipAlignment, PlanarTransform, align
 from studio.core.normalized.mirror import mirrored_motion
 from studio.core.normalized.pieces import PIECE_CONTACT_POINTS, Mask, MotionPiece
 from studio.core.normalized.resample import ResampledMotion
-from studio.core.normalized.row import FOOT_ROWS
-from studio.core.normalized.transition import MOST_TRANSITION, fade_seconds, joint_peaks, placed_channels
+from studio.core.normalized.row import FOOT_MASK_ROWS
+from studio.core.normalized.transition import MOST_TRANSITION_SECONDS, fade_seconds, joint_peaks, placed_channels
 from studio.core.project_cache import project_cache
 from studio.core.stage.layer import Region
 
 FloatArray = NDArray[np.float64]
 
-HIDDEN_BELOW, WHOLE_FROM = 0.1, 0.9
-"""Weights of a layer: up to the first the contacts below it hold, from the second its own do."""
+OWN_CONTACTS_BEGIN, OWN_CONTACTS_ONLY = 0.1, 0.9
+"""Weights of a layer: below the first, contacts of the motion under it hold; above the second, its own contacts do."""
 
-BREAK = 0.1
-"""Least seconds without contact in another clip for which a contact is interrupted."""
+CONTACT_BREAK_SECONDS = 0.1
+"""Least time in seconds without contact in another clip for which a contact is interrupted."""
 
 
 @dataclass(frozen=True)
 class PlayedLayer:
-    """Layer to be played: ``pieces`` are the repeats of its clip; the other fields are those of ``Layer``."""
+    """Layer as it is played: ``pieces`` are the repeats of its clip; the other fields are those of ``Layer``."""
 
     pieces: tuple[MotionPiece, ...]
     region: Region
@@ -48,8 +49,8 @@ class PlayedLayer:
 
 @project_cache(maxsize=64)
 def with_layers(pieces: tuple[MotionPiece, ...], overlays: tuple[PlayedLayer, ...]) -> Composite:
-    """Row from ``compose`` with layers over it, the later over the earlier; equal arguments give the
-    same cached value.
+    """Composite of a row of ``pieces`` with ``overlays``, the later over the earlier; equal arguments give the same
+    cached value.
     """
     row = compose_pieces(pieces, blends=any(piece.is_carried for overlay in overlays for piece in overlay.pieces))
     for overlay in overlays:
@@ -59,7 +60,7 @@ def with_layers(pieces: tuple[MotionPiece, ...], overlays: tuple[PlayedLayer, ..
 
 
 class _LayeredRow:
-    """One layer over a row, in the frames in which it plays."""
+    """Row with one layer over it, in the frames in which the layer plays."""
 
     def __init__(self, row: Composite, overlay: PlayedLayer) -> None:
         self._row, self._overlay = row, overlay
@@ -96,7 +97,9 @@ class _LayeredRow:
         return replace(self._row, motion=replace(self._row.motion, channels=channels), contacts=contacts)
 
     def _added(self, below: FloatArray, own: FloatArray) -> FloatArray:
-        """Channels below plus the clip's difference from its reference pose; ground offsets rotate with the body."""
+        """Channels ``below`` plus the clip's difference from its reference pose; ground offsets rotate with
+        the body.
+        """
         piece = self._overlay.pieces[0]
         motion = mirrored_motion(piece.motion) if piece.mirrored else piece.motion
         frame = piece.first if self._overlay.reference < 0 else min(self._overlay.reference, motion.frame_count - 1)
@@ -108,9 +111,11 @@ class _LayeredRow:
         return with_difference(below, by)
 
     def _placed(self, below: FloatArray, own: FloatArray) -> tuple[FloatArray, ClipAlignment, ClipAlignment]:
-        """Clip placed so that its legs stand as those below at its begin, and the steps as it fades in and out."""
-        count = max(round(MOST_TRANSITION / 2 * self._row.timing.frame_rate), 1)
-        both = (self._stands(self._row)[FOOT_ROWS] & self._own_stands()[FOOT_ROWS])[:, self._frames].T
+        """Channels of the clip, placed so that its legs stand as those below at its begin, and the steps as it fades in
+        and out.
+        """
+        count = max(round(MOST_TRANSITION_SECONDS / 2 * self._row.timing.frame_rate), 1)
+        both = (self._stands(self._row)[FOOT_MASK_ROWS] & self._own_stands()[FOOT_MASK_ROWS])[:, self._frames].T
         begin, end = slice(0, count), slice(max(len(own) - count, 0), len(own))
         comes = clip_alignment(below[begin], own[begin], both[begin], self._places, np.ones(len(both[begin])))
         if comes.placement != PlanarTransform():
@@ -122,8 +127,11 @@ class _LayeredRow:
         share, middle = shares / self._overlay.weight, len(shares) // 2
         first = self._frames[0]
         ends = (
-            (comes, np.flatnonzero((share[:middle] > HIDDEN_BELOW) & (share[:middle] < WHOLE_FROM))),
-            (goes, middle + np.flatnonzero((share[middle:] > HIDDEN_BELOW) & (share[middle:] < WHOLE_FROM))),
+            (comes, np.flatnonzero((share[:middle] > OWN_CONTACTS_BEGIN) & (share[:middle] < OWN_CONTACTS_ONLY))),
+            (
+                goes,
+                middle + np.flatnonzero((share[middle:] > OWN_CONTACTS_BEGIN) & (share[middle:] < OWN_CONTACTS_ONLY)),
+            ),
         )
         return [
             flight
@@ -133,7 +141,7 @@ class _LayeredRow:
         ]
 
     def _shares(self, below: FloatArray, own: FloatArray, coming: float, going: float) -> FloatArray:
-        """Weight of the layer, (N,): it fades in and out, except where the row itself begins or ends.
+        """Weights (N,) of the layer: it fades in and out, except where the row itself begins or ends.
 
         ``coming`` and ``going`` are the seconds that steps of the feet need in the two fades.
         """
@@ -141,7 +149,7 @@ class _LayeredRow:
         begin, end = self._own.timing.start, self._own.timing.end
         by = np.where(self._columns, channel_difference(below, own), 0.0)
         peaks = np.maximum(self._peaks_below(), joint_peaks(own, rate))
-        reach = min(round(MOST_TRANSITION * rate), len(by))
+        reach = min(round(MOST_TRANSITION_SECONDS * rate), len(by))
         longest = (end - begin) / 2.0
         shares = np.full(len(self._times), self._overlay.weight)
         ends = (
@@ -155,15 +163,16 @@ class _LayeredRow:
         return shares
 
     def _peaks_below(self) -> FloatArray:
-        """Peak joint accelerations of the clips under this layer, without the jumps from clip to clip."""
+        """Peak joint accelerations of the clips under this layer, without the jumps at changes of clips."""
         motion, first, stop = self._row.motion, self._frames[0], self._frames[-1] + 1
         between = [slice(max(each.start, first), min(each.stop, stop)) for each in motion.parts]
         peaks = [joint_peaks(motion.channels[each], motion.frame_rate) for each in between if each.stop > each.start]
         return np.asarray(np.max(peaks, axis=0))
 
     def _contacts(self, shares: FloatArray, flights: Sequence[Flight]) -> tuple[ContactInterval, ...]:
-        """Contacts under the layer: its own on its limbs. A contact in both motions lasts through the fades, unless
-        its foot steps.
+        """Contacts of the row under the layer, with those of the layer on its limbs.
+
+        A contact in both motions lasts through the fades, unless its foot steps.
         """
         own, ended = points_of(self._overlay.region)
         if not own and not ended:
@@ -176,9 +185,9 @@ class _LayeredRow:
             as_before = [each for each in self._row.contacts if each.point is point]
             standing = below[row]
             if point in own:
-                kept = (share < HIDDEN_BELOW) | theirs[row]
-                standing = (below[row] & kept) | (theirs[row] & (share > WHOLE_FROM))
-                longest = BREAK * self._row.timing.frame_rate
+                kept = (share < OWN_CONTACTS_BEGIN) | theirs[row]
+                standing = (below[row] & kept) | (theirs[row] & (share > OWN_CONTACTS_ONLY))
+                longest = CONTACT_BREAK_SECONDS * self._row.timing.frame_rate
                 for first, last in spans_of(below[row] & ~standing):
                     if (
                         last - first < longest
@@ -190,7 +199,7 @@ class _LayeredRow:
                     if point.is_foot and point.side == each.step.side:
                         standing[each.last_contact + 1 : each.next_contact] = False
             elif point in ended:
-                standing = below[row] & (share < HIDDEN_BELOW)
+                standing = below[row] & (share < OWN_CONTACTS_BEGIN)
             if np.array_equal(standing, below[row]):
                 contacts += as_before
             else:
@@ -198,14 +207,14 @@ class _LayeredRow:
         return tuple(contacts)
 
     def _stands(self, row: Composite) -> Mask:
-        """(P, F) contact mask of a row, in its frames."""
+        """Contact mask (P, F) of a row, in its frames."""
         standing = np.zeros((len(PIECE_CONTACT_POINTS), row.motion.frame_count), dtype=bool)
         for contact in row.contacts:
             standing[PIECE_CONTACT_POINTS.index(contact.point), contact.first : contact.last + 1] = True
         return standing
 
     def _own_stands(self) -> Mask:
-        """(P, F) contact mask of the layer, in the row's frames; false where it does not play."""
+        """Contact mask (P, F) of the layer, in the row's frames; False where it does not play."""
         standing = np.zeros((len(PIECE_CONTACT_POINTS), self._row.motion.frame_count), dtype=bool)
         rows = np.rint(self._own.timing.frames_at(self._times)).astype(np.int64)
         standing[:, self._frames] = self._stands(self._own)[:, rows]
@@ -213,7 +222,7 @@ class _LayeredRow:
 
 
 def columns_of(region: Region, width: int) -> Mask:
-    """(C,) true for those of ``width`` columns of channels that belong to a region."""
+    """Mask (C,) of the columns of channels, ``width`` in number, that belong to a region."""
     mask = np.zeros(width, dtype=bool)
     for part in region.parts:
         for first, count in _columns(part, width):
@@ -242,7 +251,9 @@ Points = frozenset[ContactPoint | Touch]
 
 
 def points_of(region: Region) -> tuple[Points, Points]:
-    """Contact points and touches of the limbs of a region, and the two-handed touches that end if it has one arm."""
+    """Contact points and touches of the limbs of a region, and the two-handed touches that end if the region has one
+    arm.
+    """
     arms = region.parts & Region.ARMS.parts
     hands: set[ContactPoint | Touch] = set()
     for arm in arms:

@@ -1,4 +1,4 @@
-"""The actor's measures, from the landmarks of a capture."""
+"""Measures of the actor, from the landmarks of a capture."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,12 +9,14 @@ from studio.core.normalized.landmarks import Landmarks, measured_frames
 
 FloatArray = NDArray[np.float64]
 
-SHORTEST_BONE = 1e-3
-"""Metres given to a bone that a capture draws without length, so that it keeps a direction."""
-USUAL_ANKLE = 0.045
-"""Ankle joint above the sole, as a part of stature's half below the hip, where no contact tells it."""
-HEEL_LENGTH = 0.3
-"""The heel behind the ankle, as a part of the foot from ankle to ball."""
+SHORTEST_BONE_METRES = 1e-3
+"""Length in metres given to a bone that has none in the capture, so that it keeps a direction."""
+USUAL_ANKLE_FRACTION = 0.045
+"""Usual height of the ankle joint above the sole, as a fraction of the stature's lower half; used if no contact shows
+it.
+"""
+HEEL_LENGTH_FRACTION = 0.3
+"""Distance of the heel behind the ankle, as a fraction of the distance from ankle to ball."""
 
 
 def measure_actor(
@@ -27,7 +29,8 @@ def measure_actor(
 ) -> Morphology:
     """Measures of the actor: medians over the motion of all bones, in canonical axes; sole heights where feet stand.
 
-    ``alignments`` (S, 3, 3), ``rotations`` (F, S, 3, 3) canonical; ``floor`` (F, 2) metres, ground under the ankles.
+    ``alignments`` (S, 3, 3) and ``rotations`` (F, S, 3, 3) are canonical; ``floor`` (F, 2) is the height of the ground
+    under the ankles in metres.
     """
     layout, points = marks.layout, marks.points
     thorax = layout.spine_count - 1
@@ -39,7 +42,7 @@ def measure_actor(
 
     def length(start: int, end: int) -> float:
         bones = np.linalg.norm(points[moving, end] - points[moving, start], axis=1)
-        return max(float(np.median(bones)), SHORTEST_BONE)
+        return max(float(np.median(bones)), SHORTEST_BONE_METRES)
 
     arms, legs = [layout.collar_point(side) for side in (0, 1)], [layout.hip_point(side) for side in (0, 1)]
     feet = np.array([vector(layout.foot_segment(side), legs[side] + 2, legs[side] + 3) for side in (0, 1)])
@@ -63,7 +66,7 @@ def measure_actor(
         toe=toes,
         ankle_height=ankle,
         toe_height=toe_height,
-        heel_length=HEEL_LENGTH * np.linalg.norm(feet[:, :2], axis=1),
+        heel_length=HEEL_LENGTH_FRACTION * np.linalg.norm(feet[:, :2], axis=1),
         neck_rest=_rest_direction(marks, alignments, layout.neck_base),
         clavicle_rest=np.array([_at_ease(rotations[moving], thorax, layout.clavicle_segment(s)) for s in (0, 1)]),
     )
@@ -78,14 +81,15 @@ def _rest_direction(marks: Landmarks, alignments: FloatArray, segment: int) -> F
 def _at_ease(rotations: FloatArray, thorax: int, clavicle: int) -> FloatArray:
     """Mean z axis (3,) of a clavicle in the thorax's axes, over ``rotations`` (F, S, 3, 3).
 
-    A reference pose has its arms raised or hanging: taken from it, other bodies' shoulders would be raised or sunk.
+    In a reference pose the arms are raised or hang: taken from it, the shoulders of other bodies would be raised or
+    sunk.
     """
     lies = np.einsum("fji,fj->i", rotations[:, thorax], rotations[:, clavicle, :, 2])
     return np.asarray(lies / max(float(np.linalg.norm(lies)), 1e-9))
 
 
 def _head_length(marks: Landmarks, points: FloatArray) -> float:
-    """Length from the head joint to the crown; many captures end at the eyes, so it is at least a typical one."""
+    """Length from the head joint to the crown, at least a typical one, because many captures end at the eyes."""
     layout = marks.layout
     bones = points[:, layout.head_end] - points[:, layout.head_joint]
     trunk = np.linalg.norm(marks.reference[layout.neck_base] - marks.reference[0])
@@ -95,14 +99,15 @@ def _head_length(marks: Landmarks, points: FloatArray) -> float:
 def _ankle_heights(
     heights: FloatArray, contacts: dict[ContactPoint, list[tuple[int, int]]], leg_length: float
 ) -> FloatArray:
-    """Median of each ankle's ``heights`` (F, 2) while its heel stands; the same for both if only one does, else a
-    typical one.
+    """Median of ``heights`` (F, 2) of each ankle while its heel stands.
+
+    If only one heel stands, its median holds for both; if none does, a typical one.
     """
     standing_at: list[float] = []
     for side, heel in enumerate((ContactPoint.LEFT_HEEL, ContactPoint.RIGHT_HEEL)):
         standing = contact_mask(contacts[heel], len(heights))
         standing_at.append(float(np.median(heights[standing, side])) if standing.any() else np.nan)
-    usual = 2.0 * USUAL_ANKLE * leg_length
+    usual = 2.0 * USUAL_ANKLE_FRACTION * leg_length
     known = np.clip(np.array(standing_at), 0.25 * usual, 2.5 * usual)
     both = np.nanmean(known) if np.isfinite(known).any() else usual
     return np.asarray(np.where(np.isfinite(known), known, both))

@@ -14,21 +14,21 @@ _SIDED = ((at.CLAVICLE, 4), (at.LIMB_FRAME, 4), (at.LIMB_FRAME + 8, 4), (at.LIMB
           (at.LIMB_OFF_PLANE, 1), (at.LIMB_OFF_PLANE + 2, 1), (at.LIMB_BEND, 1), (at.LIMB_BEND + 2, 1),
           (at.LIMB_TWIST, 2), (at.LIMB_TWIST + 4, 2), (at.HAND, 4), (at.FOOT, 4), (at.TOE, 4),
           (at.HIP_SHIFT, 3))  # fmt: skip
-"""Column of the left side and how many there are; the right side's come next."""
+"""First column of a left side, and number of columns; those of the right side follow."""
 _OPPOSITE = (at.HIPS + 1, at.YAW, at.HIP_SHIFT + 1, at.HIP_SHIFT + 4, at.HEAD_SHIFT + 1,
              *range(at.LIMB_OFF_PLANE, at.LIMB_BEND), *range(at.LIMB_TWIST, at.HAND))  # fmt: skip
-"""Columns that change their sign: ways to the left, turns to the left, twists."""
+"""Columns that change their sign: displacements to the left, rotations to the left, twists."""
 _HINGED = range(at.LIMB_FRAME, at.LIMB_SLACK, 4)
-"""Limb frames: their x is a hinge axis, which a mirror turns round."""
+"""Columns of limb frames: their x is a hinge axis, which a mirror reverses."""
 _HANDS = (at.HAND, at.HAND + 4)
-"""Hands turn in a forearm's axes, of which x is a hinge as well."""
+"""Columns of the hands, which rotate in a forearm's axes, whose x is a hinge as well."""
 
 
 @project_cache(maxsize=32)
 def mirrored_motion(motion: NormalizedMotion) -> NormalizedMotion:
     """Motion with left and right exchanged: y becomes -y.
 
-    With M = diag(1, -1, 1) a rotation R between anatomical axes becomes M R M; axes whose x is a hinge have D =
+    With M = diag(1, -1, 1) a rotation R between anatomical axes becomes M R M. Axes whose x is a hinge have D =
     diag(-1, 1, 1) on their side instead, because the cross product of two mirrored vectors is reversed.
     """
     channels = np.array(motion.channels)
@@ -53,12 +53,12 @@ def mirrored_motion(motion: NormalizedMotion) -> NormalizedMotion:
 
 
 def mirrored_contacts(contacts: Sequence[ContactInterval]) -> tuple[ContactInterval, ...]:
-    """Contacts of the other side; those of the seat, and of both hands, are unchanged."""
+    """Contacts on the other side; those of the seat, and of both hands, are unchanged."""
     return tuple(replace(each, point=mirrored_point(each.point)) for each in contacts)
 
 
 def mirrored_point(point: ContactPoint | Touch) -> ContactPoint | Touch:
-    """Contact point of the other side."""
+    """Contact point or touch of the other side."""
     swaps = {"left": "right", "right": "left"}
     side, _, member = point.value.partition("_")
     return contact_point(f"{swaps[side]}_{member}") if side in swaps else point

@@ -1,4 +1,4 @@
-"""The morphology-independent motion: channels without any body's measures."""
+"""Morphology-independent motion: channels without any body's measures."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,8 +14,8 @@ from studio.core.windows import bell_average
 
 FloatArray = NDArray[np.float64]
 
-HEADING_SMOOTHING = 0.25
-"""Seconds, standard deviation of the low-pass on where pelvis and feet look."""
+HEADING_SMOOTHING_SECONDS = 0.25
+"""Standard deviation in seconds of the low-pass filter on the headings of pelvis and feet."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,13 +27,13 @@ class Girdle:
     """
 
     length: float
-    """Reach of the clavicles relative to half the breadth of the shoulders (``realize.clavicle_proportions``)."""
+    """Length of the clavicles relative to half the breadth of the shoulders (``realize.clavicle_proportions``)."""
     rest: FloatArray
-    """(2, 3) direction of each clavicle at rest, thorax axes."""
+    """Directions (2, 3) of the clavicles at rest, in thorax axes."""
     hips: float
-    """Distance of the hip joints in leg lengths."""
+    """Distance between the hip joints in leg lengths."""
     limbs: FloatArray
-    """(4,) parts of both arms and both legs that are upper arm and thigh."""
+    """Lengths (4,) of both upper arms and both thighs as fractions of their limbs."""
 
     def __post_init__(self) -> None:
         for name in ("rest", "limbs"):
@@ -42,9 +42,11 @@ class Girdle:
 
 @dataclass(frozen=True)
 class Change:
-    """Change of clips in frame ``first``: the new clip continues from the pose of the body, in ``seconds``, or in the
-    time that it needs if that is 0; if it is ``cut`` it plays at once. In a ``planned`` change feet in the air step
-    over the ground to where they land; an unplanned one, or one of given seconds, has no time for that.
+    """Change of clips in frame ``first``, in which the new clip continues from the pose of the body.
+
+    The transition takes ``seconds`` or, if that is 0, as long as it needs; if it is ``cut``, the new clip plays at
+    once. In a ``planned`` change feet in the air step over the ground to their landing positions; an unplanned one, or
+    one of given seconds, has no time for that.
     """
 
     first: int
@@ -67,10 +69,14 @@ class NormalizedMotion:
     channels: FloatArray
     spine_places: FloatArray
     girdle: Girdle | None = None
-    """The actor's: where other clavicles are longer they turn by less, so that shoulders go as far, and they come no
-    nearer to each other than the actor's do; wider hips turn by less. None where it is not known: all turn alike."""
+    """Proportions of the actor, by which rotations are adapted: longer clavicles rotate less, so that shoulders move as
+    far, and come no nearer to each other than the actor's; wider hips rotate less. None if they are unknown: all rotate
+    alike.
+    """
     changes: tuple[Change, ...] = ()
-    """Jumps of channels as one clip of a row takes over from another: each stands by itself, led on from the last."""
+    """Changes of clips in a row, at which channels jump; each clip is continued from the last pose of the
+    one before.
+    """
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "frame_rate", float(self.frame_rate))  # kernels are compiled once more for an int
@@ -83,28 +89,29 @@ class NormalizedMotion:
 
     @property
     def frame_count(self) -> int:
+        """Number of frames F."""
         return len(self.channels)
 
     @cached_property
     def times(self) -> FloatArray:
-        """(F,) seconds."""
+        """Times (F,) of the frames in seconds."""
         return frozen_array(np.arange(self.frame_count) / self.frame_rate)
 
     @cached_property
     def across(self) -> FloatArray:
-        """(F, 2) horizontal leftward axis of the feet in the motion's space: the sum of both, low-passed.
+        """Horizontal leftward axis (F, 2) of the feet in the motion's space: the sum of both, low-pass filtered.
 
-        A pelvis rotates over standing feet; this is its heading if it did not.
+        A pelvis rotates over standing feet; this is its heading without that rotation.
         """
         yaw, pelvis = self.channels[:, layout.YAW], self.channels[:, layout.PELVIS : layout.PELVIS + 4]
         feet = self.channels[:, layout.FOOT : layout.FOOT + 8].reshape(-1, 2, 4)
         x, y, _ = rotate(multiply(pelvis[:, None], feet), np.array([0.0, 1.0, 0.0])).sum(axis=1).T
         level = np.column_stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y])
-        return frozen_array(bell_average(level, HEADING_SMOOTHING * self.frame_rate))
+        return frozen_array(bell_average(level, HEADING_SMOOTHING_SECONDS * self.frame_rate))
 
     @property
     def parts(self) -> tuple[slice, ...]:
-        """Frames of the motion between its changes."""
+        """Ranges of frames between the changes of the motion."""
         ends = [0, *(each.first for each in self.changes), self.frame_count]
         return tuple(slice(*each) for each in pairwise(ends))
 

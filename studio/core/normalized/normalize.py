@@ -13,9 +13,9 @@ from studio.core.captures.capture import Capture
 from studio.core.captures.captured_steps import CapturedStance, find_stances, find_steps, foot_levels
 from studio.core.captures.contacts import (
     BODY_POINTS,
-    LOW_KNEE,
+    LOW_KNEE_HEIGHT,
     LYING_HIP_HEIGHT,
-    SHORTEST_CONTACT,
+    SHORTEST_CONTACT_SECONDS,
     ContactInterval,
     ContactPoint,
     contact_mask,
@@ -43,7 +43,7 @@ from studio.core.normalized.alignment import align_soles, find_alignments
 from studio.core.normalized.encode import actor_sizes
 from studio.core.normalized.landmarks import Landmarks, find_landmarks, measured_frames
 from studio.core.normalized.measure import measure_actor
-from studio.core.normalized.motion import HEADING_SMOOTHING, NormalizedMotion
+from studio.core.normalized.motion import HEADING_SMOOTHING_SECONDS, NormalizedMotion
 from studio.core.normalized.realize import girdle_of, spine_fractions
 from studio.core.normalized.soles import sole_points
 from studio.core.rotations import from_matrix, sign_continuous
@@ -57,10 +57,10 @@ Contacts = dict[ContactPoint, list[tuple[int, int]]]
 
 HEELS = (ContactPoint.LEFT_HEEL, ContactPoint.RIGHT_HEEL)
 FOOT_LANDMARKS = (HEELS[0], ContactPoint.LEFT_TOE), (HEELS[1], ContactPoint.RIGHT_TOE)
-HEEL_STAND_HIP = 0.5
-"""Parts of a leg's length that its hip is above its ankle while it stands on its heel."""
-LOWEST = 0.05
-"""Part of the heights at which a heel stands that are below its lowest floor: those are noise."""
+LEAST_STANDING_HIP = 0.5
+"""Least height of the hip above the ankle, as a fraction of the leg length, while a foot stands on its heel."""
+FLOOR_QUANTILE = 0.05
+"""Quantile of the heights of standing heels that is the lowest floor; lower heights are noise."""
 
 
 def normalize_capture(
@@ -68,8 +68,8 @@ def normalize_capture(
 ) -> tuple[NormalizedMotion, SourceRig]:
     """Motion of the capture without its actor's measures, and the actor.
 
-    ``progress`` is called with a fraction from 0 to 1 and may raise to cancel. Raises StudioError if the capture has no
-    body map, so that its joints are unknown.
+    ``progress`` is called with a fraction from 0 to 1 and may raise an exception to cancel. Raises StudioError if the
+    capture has no body map, so that its joints are unknown.
     """
     return _NORMALIZED(capture, progress)
 
@@ -106,7 +106,7 @@ _NORMALIZED: Shared[Capture, tuple[NormalizedMotion, SourceRig]] = Shared(_norma
 def motion_origin(capture: Capture) -> NDArray[np.float64]:
     """Origin (3,) of the motion's space in the capture's: the ground under the pelvis at the first frame.
 
-    Raises StudioError when the capture has no body map.
+    Raises StudioError if the capture has no body map.
     """
     if capture.body_map is None:
         raise StudioError(f"'{capture.name}' has no body map, so nobody knows where its motion begins.")
@@ -116,27 +116,27 @@ def motion_origin(capture: Capture) -> NDArray[np.float64]:
 
 
 def capture_contacts(capture: Capture) -> Contacts:
-    """Contacts of a mapped capture, as found in its own joints; none for one without a body map."""
+    """Contacts of the points of a mapped capture with the ground, from its own joints; none without a body map."""
     if capture.body_map is None:
         return {point: [] for point in ContactPoint}
     return _FOUND(capture).contacts
 
 
 def sole_heights(capture: Capture) -> list[list[float]]:
-    """Height in metres of the ankle of each foot, one for each contact of its heel, of a mapped capture."""
+    """Heights in metres of the ankle of each foot, one for each contact of its heel, of a mapped capture."""
     return _FOUND(capture).sole_heights
 
 
 def captured_steps(capture: Capture) -> Steps | None:
-    """Steps on which a capture was recorded, in the motion's space; None if it has no body map, or was on none."""
+    """Steps on which a capture was recorded, in the motion's space; None if there were none, or without a body map."""
     steps = None if capture.body_map is None else find_steps(_FOUND(capture).stances)
     return steps and replace(steps, height=round(steps.height / steps.rise) * steps.rise)
 
 
 def detected_contacts(capture: Capture, motion_id: str, *, on_steps: bool = False) -> tuple[ContactInterval, ...]:
-    """``capture_contacts`` as those of a motion, and the touches of its hands (``touching``).
+    """Contacts of a capture with the ground, and touches of its hands (``touching``), for the motion ``motion_id``.
 
-    Feet that are ``on_steps`` stand on the treads of ``captured_steps``, else only on the floor.
+    With ``on_steps`` feet stand on the treads of ``captured_steps``, else only on the floor.
     """
     from studio.core.normalized.touching import find_touches  # it needs a body, which is measured here
 
@@ -157,8 +157,10 @@ def detected_contacts(capture: Capture, motion_id: str, *, on_steps: bool = Fals
 
 @dataclass(frozen=True, eq=False)
 class _FoundContacts:
-    """Contacts of a capture, the slope of its floor, the ankle height in metres in each contact of each heel, and the
-    stances of its feet at any height, in the motion's space.
+    """Analysis of the ground of a capture, in the motion's space.
+
+    It has the contacts, the slope of the floor, the ankle height in metres in each contact of each heel, and the
+    stances of the feet at any height.
     """
 
     contacts: Contacts
@@ -183,37 +185,38 @@ def _find(capture: Capture, marks: Landmarks | None = None) -> _FoundContacts:
 
 
 def _terms(capture: Capture) -> object:
-    """All of a capture, except its poses, on which its contacts depend."""
+    """Properties of a capture, except its poses, on which its contacts depend."""
     offsets, reference = capture.skeleton.offsets.tobytes(), capture.reference_rotations.tobytes()
     begin = capture.frame_rate, capture.floor, capture.first_frame
     return offsets, reference, capture.body_map, *begin, capture.plate_loads
 
 
 _FOUND: Shared[Capture, _FoundContacts] = Shared(_find, owner=lambda capture: capture.poses, terms=_terms)
-"""The contacts of all captures that are the same but for their guesses."""
+"""Cached ground analysis, shared by captures that differ only in their guesses."""
 
 
 def _risen(points: FloatArray, layout: BodyLayout, heels: Sequence[NDArray[np.bool_]], leg_length: float) -> FloatArray:
-    """(F,) height in metres of the floor over its lowest, from the ``heels`` (F,) of standing legs; ``points`` are
-    landmarks (F, P, 3).
+    """Heights (F,) in metres of the floor above its lowest, from the ``heels`` (F,) of standing legs.
 
-    Captured floors are tilted, and drift by centimetres, also under the hands. Knees and seats follow it less, because
-    they come down long after a leg has stood.
+    ``points`` (F, P, 3) are landmarks. Captured floors are tilted, and drift by centimetres, also under the hands.
+    Knees and seats follow the drift less, because they come down long after a leg has stood.
     """
     frames, shown = np.arange(len(points)), []
     for side, stands in enumerate(heels):
         hips, ankles = (points[:, layout.hip_point(side) + step, 2] for step in (0, 2))
-        known = np.flatnonzero(stands & (hips - ankles > HEEL_STAND_HIP * leg_length))
+        known = np.flatnonzero(stands & (hips - ankles > LEAST_STANDING_HIP * leg_length))
         if len(known):
             heights = ankles[known]
-            shown.append(np.interp(frames, known, np.maximum(heights - np.quantile(heights, LOWEST), 0.0)))
+            shown.append(np.interp(frames, known, np.maximum(heights - np.quantile(heights, FLOOR_QUANTILE), 0.0)))
     return np.mean(shown, axis=0) if shown else np.zeros(len(frames))
 
 
 def _off_their_steps(
     points: FloatArray, soles: FloatArray, upright: BoolArray, capture: Capture, layout: BodyLayout
 ) -> tuple[FloatArray, FloatArray]:
-    """Landmarks (F, P, 3) and soles lowered by the treads on which the feet stand, all else by the mean of both."""
+    """Landmarks (F, P, 3) and soles lowered by the treads on which the feet stand; other points by the mean of both
+    feet.
+    """
     placed = soles - motion_origin(capture)
     stances = find_stances(placed, upright, capture.frame_rate)
     steps = find_steps(stances)
@@ -228,14 +231,15 @@ def _off_their_steps(
 
 
 def _legs(marks: Landmarks, capture: Capture) -> tuple[float, FloatArray, BoolArray]:
-    """Length of the legs in metres, ``sole_points`` (F, 2, 3, 3), and (F, 2) true where a leg is upright.
+    """Length of the legs in metres, ``sole_points`` (F, 2, 3, 3), and mask (F, 2) of the frames in which a leg is
+    upright.
 
-    No leg is before the first frame of the motion proper.
+    No leg counts as upright before the first frame of the motion proper.
     """
     hips = [marks.layout.hip_point(0), marks.layout.hip_point(1)]
     leg = float(np.linalg.norm(np.diff(marks.reference[hips[0] : hips[0] + 3], axis=0), axis=1).sum())
     ankles = marks.points[:, [marks.layout.ankle_point(0), marks.layout.ankle_point(1)], 2]
-    upright = marks.points[:, hips, 2] - ankles > HEEL_STAND_HIP * leg
+    upright = marks.points[:, hips, 2] - ankles > LEAST_STANDING_HIP * leg
     upright[: capture.first_frame] = False
     return leg, sole_points(marks, leg, capture.first_frame), upright
 
@@ -251,7 +255,7 @@ def _contacts_of(marks: Landmarks, capture: Capture, *, on_steps: bool = False) 
     slope = find_floor_slope(soles[own], upright[own], rate)
     points, soles = slope.levelled(on_floor), slope.levelled(soles)
     toes = points[:, [layout.toe_point(0), layout.toe_point(1)]]
-    shortest = round(SHORTEST_CONTACT * capture.frame_rate)
+    shortest = round(SHORTEST_CONTACT_SECONDS * capture.frame_rate)
     feet = detect_contacts(soles, rate, capture.first_frame)
     for side, (heel, toe) in enumerate(
         FOOT_LANDMARKS
@@ -275,7 +279,7 @@ def _contacts_of(marks: Landmarks, capture: Capture, *, on_steps: bool = False) 
         stands, ankle = contact_mask(feet[toe], len(points)), points[:, layout.ankle_point(side)]
         rising = rising_heels(feet[heel], stands, ankle, toes[:, side], leg, rate)
         feet[heel] = spans_outside_mask(feet[heel], rising, shortest)
-        low = tracks[knee][:, 2] < LOW_KNEE * leg
+        low = tracks[knee][:, 2] < LOW_KNEE_HEIGHT * leg
         down = low | contact_mask(bodies[ContactPoint.SEAT], len(points))
         middle = soles[:, side, :2].mean(axis=1)
         feet[toe] = joined_over_still_gaps(trailing_toe_contacts(feet[toe], toes[:, side], down, rate), middle)
@@ -289,7 +293,7 @@ def _contacts_of(marks: Landmarks, capture: Capture, *, on_steps: bool = False) 
 
 
 def _standing_feet(contacts: Contacts, frame_count: int) -> BoolArray:
-    """(F, 2) true where heel and toe of the left and the right foot both rest."""
+    """Mask (F, 2) of frames in which heel and toe of the left and the right foot both rest."""
     points = [[ContactPoint(f"{side}_{end}") for end in ("heel", "toe")] for side in ("left", "right")]
     return np.stack([np.all([contact_mask(contacts[p], frame_count) for p in foot], axis=0) for foot in points], axis=1)
 
@@ -312,7 +316,7 @@ def _median_length(starts: FloatArray, ends: FloatArray) -> float:
 
 
 def smoothed_heading(pelvis: FloatArray, frame_rate: float) -> FloatArray:
-    """Low-passed, unwrapped heading (F,) in radians of pelvis rotations (F, 3, 3): their twist about Z."""
+    """Low-pass filtered, unwrapped headings (F,) in radians of pelvis rotations (F, 3, 3): their twist about Z."""
     quaternions = sign_continuous(from_matrix(pelvis))
     turn = np.unwrap(2.0 * np.arctan2(quaternions[:, 2], quaternions[:, 3]))
-    return bell_average(turn, HEADING_SMOOTHING * frame_rate)
+    return bell_average(turn, HEADING_SMOOTHING_SECONDS * frame_rate)

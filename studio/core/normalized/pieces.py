@@ -1,4 +1,4 @@
-"""Pieces of motions: the frames of each that play in a row, and their speed and placement."""
+"""Pieces of motions in a row: the frames of each that play, their speed and their placement."""
 
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -21,15 +21,15 @@ FloatArray = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 PIECE_CONTACT_POINTS = CONTACT_POINTS
-AS_IT_IS = PlanarTransform()
+IDENTITY_TRANSFORM = PlanarTransform()
 
 
 @dataclass(frozen=True)
 class MotionPiece:
-    """Frames ``first`` to ``last`` of a motion from ``start`` seconds on, at ``speed``.
+    """Frames ``first`` to ``last`` of a motion, played from ``start`` seconds on at ``speed``.
 
-    ``own`` rotates it about where its root begins, then moves it; ``joined`` begins it at the end of the piece before.
-    ``ease`` is the seconds of a transition without overlap; 0 as many as it needs.
+    ``own`` rotates it about the begin of its root's path, then moves it. If ``joined``, it begins at the end of the
+    previous piece. ``ease`` is the length in seconds of a transition without overlap; 0 for as long as it needs.
     """
 
     motion: NormalizedMotion
@@ -39,11 +39,11 @@ class MotionPiece:
     start: float = 0.0
     speed: Speed = 1.0
     mirrored: bool = False
-    own: PlanarTransform = AS_IT_IS
+    own: PlanarTransform = IDENTITY_TRANSFORM
     joined: bool = True
     ease: float = 0.0
     origin: tuple[int, int] = (0, 0)
-    """Index of the clip in its row, and of the repeat of that clip."""
+    """Index of the clip in its row, and index of the repeat of that clip."""
 
     @property
     def end(self) -> float:
@@ -55,7 +55,7 @@ class MotionPiece:
         return float(self.start + last - first)
 
     def frames_after(self, seconds: FloatArray) -> FloatArray:
-        """(N,) frames of the motion, with fractions, ``seconds`` (N,) after the start."""
+        """Frames (N,) of the motion, with fractions, at ``seconds`` (N,) after the start."""
         rate = self.motion.frame_rate
         if not isinstance(self.speed, KeyedNumber):
             return np.asarray(self.first + seconds * self.speed * rate)
@@ -70,12 +70,12 @@ class MotionPiece:
     @property
     def is_plain(self) -> bool:
         """True if the motion plays unchanged: at its own speed, not mirrored and not moved."""
-        return self.speed == 1.0 and not self.mirrored and self.own == AS_IT_IS
+        return self.speed == 1.0 and not self.mirrored and self.own == IDENTITY_TRANSFORM
 
 
 @dataclass(frozen=True)
 class PlayedPiece:
-    """Frames ``first`` to ``last`` of a row in which a piece plays, and its ``placement``."""
+    """Piece as it plays in frames ``first`` to ``last`` of a row, with its ``placement``."""
 
     piece: MotionPiece
     first: int
@@ -83,7 +83,7 @@ class PlayedPiece:
     placement: PlanarTransform
 
     def motion_frames(self, frames: NDArray[Any], timing: Timing) -> FloatArray:
-        """(N,) the piece's own frames, with fractions, that play in ``frames`` (N,) of the row."""
+        """Frames (N,) of the piece's own motion, with fractions, that play in ``frames`` (N,) of the row."""
         return self.piece.frames_after(timing.begin + frames / timing.frame_rate - self.piece.start)
 
 
@@ -99,7 +99,7 @@ class ChannelSource(Protocol):
 
 @dataclass
 class HeldPose(ChannelSource):
-    """Source of one pose and its contacts in every frame."""
+    """Channel source with one pose and its contacts in every frame."""
 
     pose: FloatArray
     standing: Mask
@@ -112,10 +112,14 @@ class HeldPose(ChannelSource):
 
 
 class PieceSource(ChannelSource):
-    """Source of a piece's channels and contacts, sampled at the frames of the row."""
+    """Channel source that samples a piece at the frames of the row."""
 
     def __init__(
-        self, piece: MotionPiece, spine_places: FloatArray, timing: Timing, placement: PlanarTransform = AS_IT_IS
+        self,
+        piece: MotionPiece,
+        spine_places: FloatArray,
+        timing: Timing,
+        placement: PlanarTransform = IDENTITY_TRANSFORM,
     ) -> None:
         self.piece, self._timing, self._places, self.placement = piece, timing, spine_places, placement
         motion = mirrored_motion(piece.motion) if piece.mirrored else piece.motion
@@ -139,9 +143,11 @@ class PieceSource(ChannelSource):
         return standing
 
     def placement_about_root(
-        self, frame: int, own: PlanarTransform, first: PlanarTransform = AS_IT_IS
+        self, frame: int, own: PlanarTransform, first: PlanarTransform = IDENTITY_TRANSFORM
     ) -> PlanarTransform:
-        """Placement ``first``, then rotated about the position of the root in ``frame`` and moved, by ``own``."""
+        """Placement ``first``, followed by ``own``: a rotation about the position of the root in ``frame``, and an
+        offset.
+        """
         channels = placed_channels(self.channels(np.array([frame])), first.turn, np.array(first.offset))
         place = channels[0, at.HIPS : at.HIPS + 2]
         c, s = np.cos(own.turn), np.sin(own.turn)

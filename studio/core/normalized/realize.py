@@ -40,16 +40,14 @@ def realize_motion(
 
 
 def girdle_of(body: Morphology) -> Girdle:
-    """Proportions of shoulders, hips and limbs of a body that stands for the actor."""
+    """Proportions of shoulders, hips and limbs of ``body``, which stands for the actor."""
     bones = np.concatenate([body.arm, body.leg])
     limbs = bones[:, 0] / bones.sum(axis=1)
     return Girdle(float(clavicle_proportions(body)[0]), body.clavicle_rest, float(hip_breadths(body)[0]), limbs)
 
 
 def clavicle_proportions(body: AnyMorphology) -> FloatArray:
-    """(F or 1,) lengths of the clavicles relative to half the breadth of the shoulders, which scales
-    their rotations.
-    """
+    """Lengths (F or 1,) of the clavicles relative to half the breadth of the shoulders, which scale their rotations."""
     rows = body.rows
     lengths = rows[:, at.MEASURE_CLAVICLE : at.MEASURE_CLAVICLE + 2]
     bases, rests = (np.abs(rows[:, [m + 1, m + 4]]) for m in (at.MEASURE_COLLAR_BASE, at.MEASURE_CLAVICLE_REST))
@@ -57,14 +55,14 @@ def clavicle_proportions(body: AnyMorphology) -> FloatArray:
 
 
 def hip_breadths(body: AnyMorphology) -> FloatArray:
-    """(F or 1,) distance between the hip joints, in leg lengths."""
+    """Distances (F or 1,) between the hip joints in leg lengths."""
     rows = body.rows
     apart = np.abs(rows[:, at.MEASURE_HIP_OFFSET + 1] - rows[:, at.MEASURE_HIP_OFFSET + 4])
     return np.asarray(np.maximum(apart, 1e-9) / (rows[:, at.MEASURE_LEG : at.MEASURE_FOOT].sum(axis=1) / 2.0))
 
 
 def _drift(hips: FloatArray, morphology: AnyMorphology) -> FloatArray:
-    """(F, 2) error in metres of ``hips`` (F, 2), in leg lengths, that comes only from the changing length of the legs.
+    """Error (F, 2) in metres of the scaled position ``hips`` (F, 2), in leg lengths, caused by a changing leg length.
 
     A growing body moves by L dx and not d(L x), or its position would depend on its distance from the origin.
     """
@@ -74,21 +72,23 @@ def _drift(hips: FloatArray, morphology: AnyMorphology) -> FloatArray:
 
 
 def spine_fractions(spine: FloatArray) -> FloatArray:
-    """(K,) begin of each spine segment (K, 3) along the trunk: 0 for the pelvis, 1 for the thorax."""
+    """Begin (K,) of each spine segment of ``spine`` (K, 3) along the trunk: 0 for the pelvis, 1 for the thorax."""
     places = np.concatenate([[0.0], np.cumsum(np.linalg.norm(spine[:-1], axis=1))])
     return np.asarray(places / places[-1])
 
 
 def restore_joint_poses(motion: NormalizedMotion, actor: SourceRig) -> PoseSequence:
-    """Poses of the capture's own joints, restored from its normalised motion, exact within rounding."""
+    """Poses of the capture's own joints, restored from its normalised motion; exact within rounding."""
     return actor_joint_poses(actor, *realize_motion(motion, actor.morphology, play=True))
 
 
 def actor_joint_poses(
     actor: SourceRig, positions: FloatArray, rotations: FloatArray, first_frame: int = 0
 ) -> PoseSequence:
-    """Poses of the actor's own joints with its segments at ``positions`` and ``rotations`` (from ``realize_motion``,
-    beginning with ``first_frame`` of the capture); joints without a segment keep their captured poses.
+    """Poses of the actor's own joints for segments at ``positions`` and ``rotations``, such as those of
+    ``realize_motion``.
+
+    They begin with ``first_frame`` of the capture; joints without a segment keep their captured poses.
     """
     skeleton, frames = actor.skeleton, slice(first_frame, first_frame + len(positions))
     local = to_matrix(actor.pass_through.local_rotations[frames])

@@ -21,18 +21,18 @@ from studio.core.rotations import normalized, sign_continuous
 FloatArray = NDArray[np.float64]
 
 SPLINE_MARGIN = 8
-"""Frames on each side of the requested ones through which a spline is fitted, so that its ends have no effect."""
+"""Number of frames on each side of the requested ones to which a spline is fitted, so that its ends have no effect."""
 
 
 @dataclass(frozen=True, eq=False)
 class ResampledMotion:
-    """Motion with spine joints at ``spine_places`` (K,) that can be sampled at any frame."""
+    """Motion that can be sampled at any frame, with spine joints at ``spine_places`` (K,)."""
 
     motion: NormalizedMotion
     spine_places: FloatArray
 
     def at(self, frames: FloatArray) -> FloatArray:
-        """(N, C) channels at ``frames`` (N,), which need not be whole; extrapolated at constant speed beyond the ends.
+        """Channels (N, C) at ``frames`` (N,), which need not be whole; extrapolated at constant speed beyond the ends.
 
         Whole frames are returned to the bit; between them a cubic spline interpolates every channel, with continuous
         speed and acceleration.
@@ -84,6 +84,6 @@ def _splined(channels: FloatArray, rows: FloatArray) -> FloatArray:
 
 
 def common_spine(motions: Sequence[NormalizedMotion]) -> FloatArray:
-    """Positions along the trunk, (K,), of the spine joints of all motions."""
+    """Positions (K,) along the trunk of the spine joints of all motions."""
     places = np.unique(np.concatenate([motion.spine_places for motion in motions]))
     return np.asarray(places[np.concatenate([[True], np.diff(places) > 1e-6])])

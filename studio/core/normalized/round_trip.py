@@ -1,4 +1,4 @@
-"""Round-trip error of a capture: normalised, then restored on its own actor."""
+"""Round-trip error of a capture that is normalised and then restored on its own actor."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ from studio.core.rotations import angle_between, from_matrix
 
 @dataclass(frozen=True)
 class RoundTrip:
-    """Greatest errors over all joints and all frames, in metres and radians, in the world."""
+    """Greatest errors over all joints and frames in world space, in metres and radians."""
 
     position: float
     rotation: float

@@ -1,9 +1,10 @@
-"""Row of clips, filled from left to right: each takes over from the one before, placed where that leaves the body.
+"""Row of clips, filled from left to right: each clip continues from the previous one, placed where that leaves the
+body.
 
-A clip takes over in one frame, and channels jump there; later the body is inertialised on the ground
+Clips change in one frame, at which channels jump; later the body is inertialised on the ground
 (``solver.standing.inertialisation``), where feet are known. Of overlapping frames, up to the first second, the change
-is where both clips are most alike, so that the same feet stand, and every hit, step or touch keeps its time in its
-clip.
+is in the frame in which both clips are most alike, so that the same feet stand, and every hit, step or touch keeps its
+time in its clip.
 """
 
 from dataclasses import dataclass, field, replace
@@ -25,7 +26,7 @@ from studio.core.normalized.joining import (
 )
 from studio.core.normalized.motion import Change
 from studio.core.normalized.pieces import (
-    AS_IT_IS,
+    IDENTITY_TRANSFORM,
     PIECE_CONTACT_POINTS,
     ChannelSource,
     Mask,
@@ -33,23 +34,24 @@ from studio.core.normalized.pieces import (
     PieceSource,
     PlayedPiece,
 )
-from studio.core.normalized.transition import LEAST_TRANSITION, MOST_TRANSITION, joint_vectors
+from studio.core.normalized.transition import LEAST_TRANSITION_SECONDS, MOST_TRANSITION_SECONDS, joint_vectors
 from studio.core.stage.timing import Timing
 
 FloatArray = NDArray[np.float64]
 
-FOOT_ROWS = [PIECE_CONTACT_POINTS.index(point) for point in FOOT_POINTS]
-PACE = 0.3
-"""Seconds for which joints that turn at another pace go astray, where clips are compared."""
-OTHER_FOOT = 0.5
+FOOT_MASK_ROWS = [PIECE_CONTACT_POINTS.index(point) for point in FOOT_POINTS]
+"""Rows of a contact mask that belong to the points of the feet."""
+PACE_ERROR_SECONDS = 0.3
+"""Seconds over which a difference of joint speeds is integrated in the comparison of two clips."""
+FOOT_MISMATCH_COST = 0.5
 """Cost, in radians squared, of a heel or toe that stands in only one of two clips."""
-SAME_FRAME = 0.01
-"""Frames by which the parts of a split clip may differ and still count as continuous."""
+SAME_FRAME_TOLERANCE = 0.01
+"""Difference in frames up to which the parts of a split clip count as continuous."""
 
 
 @dataclass
 class AssembledRow:
-    """``channels`` (F, C) and the contact mask ``contact_mask`` (9, F), up to ``end``, not included."""
+    """Row of clips as it is filled: ``channels`` (F, C) and ``contact_mask`` (9, F), valid up to ``end``, exclusive."""
 
     spine_places: FloatArray
     timing: Timing
@@ -106,10 +108,14 @@ class AssembledRow:
         )
 
     def _alignment(self, source: PieceSource, begins: int, first: int, last: int) -> ClipAlignment:
-        """Placement and steps of a piece that ``begins`` in a frame, from both motions in ``first`` to ``last``."""
+        """Placement and steps of a piece that begins in frame ``begins``, from both motions in ``first`` to
+        ``last``.
+        """
         frames = np.arange(first, last + 1)
         both = (
-            self.contact_mask[FOOT_ROWS][:, frames] & source.contact_mask(frames)[FOOT_ROWS] & self._stay(source, last)
+            self.contact_mask[FOOT_MASK_ROWS][:, frames]
+            & source.contact_mask(frames)[FOOT_MASK_ROWS]
+            & self._stay(source, last)
         ).T
         shares = ease((frames - first + 1.0) / (len(frames) + 1.0), EaseShape.QUINTIC)
         weights = shares * (1.0 - shares) + 1e-3
@@ -117,17 +123,18 @@ class AssembledRow:
         if not piece.joined:
             return alignment_by_steps(*known, source.placement_about_root(begins, piece.own))
         found = clip_alignment(*known, weights)
-        if piece.own == AS_IT_IS:
+        if piece.own == IDENTITY_TRANSFORM:
             return found
         return alignment_by_steps(*known, source.placement_about_root(begins, piece.own, found.placement))
 
     def _stay(self, source: PieceSource, frame: int) -> Mask:
-        """Mask, (4, 1), of the ``FOOT_ROWS`` whose foot keeps standing after ``frame``; a foot that is lifted soon
-        counts as in the air.
+        """Mask (4, 1) of the ``FOOT_MASK_ROWS`` whose foot keeps standing after ``frame``.
+
+        A foot that is lifted soon counts as in the air.
         """
-        soon = source.contact_mask(np.arange(frame, frame + round(LEAST_TRANSITION * self.timing.frame_rate) + 1))[
-            FOOT_ROWS
-        ]
+        soon = source.contact_mask(
+            np.arange(frame, frame + round(LEAST_TRANSITION_SECONDS * self.timing.frame_rate) + 1)
+        )[FOOT_MASK_ROWS]
         stays = (soon[0::2] | soon[1::2]).all(axis=1)
         return np.repeat(stays, 2)[:, None]
 
@@ -155,7 +162,9 @@ class AssembledRow:
         self.changes = [*(each for each in self.changes if each.first < change.first), change]
 
     def _follow(self, source: PieceSource, first: int, last: int) -> int:
-        """Add a piece that takes over at ``first`` or later, at the latest where the row ends; return that frame."""
+        """Add a piece whose change is at ``first`` or later, at the latest where the row ends; return the frame of the
+        change.
+        """
         if not self._goes_on(source, first):
             first = self._most_alike(source, first, min(self.end, last))
             self.placement = self._alignment(source, first, first - 1, first - 1).placement
@@ -167,26 +176,28 @@ class AssembledRow:
         return first
 
     def _goes_on(self, source: PieceSource, frame: int) -> bool:
-        """True if a piece continues the piece before it in a frame, as the parts of a split clip do."""
+        """True if a piece continues the motion of the previous piece in ``frame``, as the parts of a split clip do."""
         piece, before = source.piece, self.played[-1]
         alike = piece.motion is before.piece.motion and piece.mirrored == before.piece.mirrored
-        if not alike or not piece.joined or piece.own != AS_IT_IS or piece.speed != before.piece.speed:
+        if not alike or not piece.joined or piece.own != IDENTITY_TRANSFORM or piece.speed != before.piece.speed:
             return False
         frames = [each.motion_frames(np.array([frame]), self.timing) for each in (before, replace(before, piece=piece))]
-        return bool(np.abs(frames[1] - frames[0])[0] < SAME_FRAME)
+        return bool(np.abs(frames[1] - frames[0])[0] < SAME_FRAME_TOLERANCE)
 
     def _most_alike(self, source: PieceSource, first: int, last: int) -> int:
-        """Frame from ``first`` to ``last``, within ``MOST_TRANSITION`` seconds, before which both motions are most
+        """Frame from ``first`` to ``last``, within ``MOST_TRANSITION_SECONDS``, before which both motions are most
         alike.
         """
-        last = min(last, first + round(MOST_TRANSITION * self.timing.frame_rate))
+        last = min(last, first + round(MOST_TRANSITION_SECONDS * self.timing.frame_rate))
         if last - first < 2:
             return first
         frames = np.arange(first - 1, last)
         gaps = joint_vectors(channel_difference(self.channels[frames], source.channels(frames)))
-        paces = np.gradient(gaps, axis=0) * self.timing.frame_rate * PACE
-        others = (self.contact_mask[FOOT_ROWS][:, frames] != source.contact_mask(frames)[FOOT_ROWS]).sum(axis=0)
-        unlike = (gaps**2 + paces**2).sum(axis=(1, 2)) + OTHER_FOOT * others
+        paces = np.gradient(gaps, axis=0) * self.timing.frame_rate * PACE_ERROR_SECONDS
+        others = (self.contact_mask[FOOT_MASK_ROWS][:, frames] != source.contact_mask(frames)[FOOT_MASK_ROWS]).sum(
+            axis=0
+        )
+        unlike = (gaps**2 + paces**2).sum(axis=(1, 2)) + FOOT_MISMATCH_COST * others
         return first + int(unlike.argmin())
 
     def _put(self, source: ChannelSource, first: int, last: int) -> None:

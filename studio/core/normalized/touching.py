@@ -1,4 +1,4 @@
-"""Touches of the hands: each other, a thing between them, their own body, as the motion's actor does.
+"""Detection of touches of the hands: with each other, with an object between them, or with the own body.
 
 Wrists whose distance is about the length of a hand are *together*; wrists before the chest at a constant distance hold
 a *thing*; a palm that rests on a capsule of the body's volume touches that part of it.
@@ -12,52 +12,56 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import Span, Touch, spans_of
-from studio.core.mesh.volume import CAPSULES_OF, PALM_SURFACE_PROBE, BodyVolume, usual_volume
+from studio.core.mesh.volume import PALM_SURFACE_PROBE, PART_CAPSULES, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize_motion
-from studio.core.windows import highest, lowest
+from studio.core.windows import sliding_maximum, sliding_minimum
 
 FloatArray = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 HANDS_MEET_DISTANCE = (0.31, 0.36)
-"""Parts of the leg's length between the wrists below which hands come together, and beyond which they part."""
+"""Distances between the wrists in leg lengths: below the first, hands come together; above the second, they part."""
 SWING_SPEED, SWING_SIDE = 1.5, 0.06
-"""Least speed in leg lengths a second at which the hands of a runner swing past each other, and least distance in leg
+"""Least speed in leg lengths per second at which the hands of a runner swing past each other, and least distance in leg
 lengths of each from the middle of the chest, on its own side.
 """
-PASSING = 0.04
-"""Seconds for which hands may be together without being counted."""
-TOUCH_GAP = 0.15
-"""Seconds for which a touch may be given up without being two."""
+PASSING_SECONDS = 0.04
+"""Longest time in seconds for which hands are together without counting as a touch."""
+TOUCH_GAP_SECONDS = 0.15
+"""Longest interruption in seconds of one touch."""
 HELD_WRIST_RANGE = (0.3, 0.75)
-"""Parts of the leg's length between which wrists hold a thing."""
-WRIST_AHEAD = 0.2
-"""Parts of the leg's length that wrists which hold a thing are in front of the neck's base, in the chest's axes."""
-STEADY_WRIST_CHANGE, STEADY_FOR = 0.035, 0.5
-"""Parts of the leg's length by which the distance of wrists that hold a thing changes at most in so many seconds."""
-SHORTEST_HOLD, CARRIED_DISTANCE = 1.0, 0.25
-"""Seconds for which a thing is held at least, and parts of the leg's length that it is carried in the chest's axes: who
-is on guard holds nothing.
+"""Least and greatest distance in leg lengths between wrists that hold an object."""
+LEAST_WRIST_AHEAD = 0.2
+"""Least distance in leg lengths of wrists that hold an object in front of the neck's base, in the chest's axes."""
+STEADY_WRIST_CHANGE, STEADY_SECONDS = 0.035, 0.5
+"""Greatest change in leg lengths of the distance between wrists that hold an object, and the seconds in which it is
+measured.
+"""
+SHORTEST_HOLD_SECONDS, CARRIED_DISTANCE = 1.0, 0.25
+"""Least time in seconds for which an object is held, and least distance in leg lengths that it is carried in the
+chest's axes: a fighter on guard holds nothing.
 """
 HAND_REST_DISTANCE = (0.03, 0.05)
-"""Parts of the leg's length between palm and body below which a hand comes to rest, and beyond which it leaves."""
-LYING_STILL = 0.4
-"""Parts of the leg's length a second that a resting hand goes over the body at most."""
-HANGING = (0.9, 0.85)
-"""Part of its length to which an arm hangs at least, and cosine of how far off the chest's down: beside hips and thighs
-such an arm only hangs.
+"""Distances in leg lengths between palm and body: below the first, a hand comes to rest; above the second,
+it leaves.
 """
-RESTS_FOR = 0.6
-"""Seconds for which a hand rests at least."""
+RESTING_HAND_SPEED = 0.4
+"""Greatest speed in leg lengths per second of a resting hand over the body."""
+HANGING_ARM_LIMITS = (0.9, 0.85)
+"""Least stretch of a hanging arm as a fraction of its length, and least cosine of its angle to the chest's down axis:
+such an arm beside hips and thighs does not touch them.
+"""
+LEAST_REST_SECONDS = 0.6
+"""Least time in seconds for which a hand rests on the body."""
 
 
 @dataclass(frozen=True, eq=False)
 class PalmPositions:
-    """Position of a palm relative to one capsule of its body, in every frame.
+    """Positions of a palm relative to one capsule of the body's volume, in every frame.
 
-    ``fractions_along_axis`` (F,) of the capsule's length; outward ``directions`` (F, 3) in the axes of the segment at
-    its begin; ``clearances`` (F,) metres from surface to surface.
+    ``fractions_along_axis`` (F,) are of the capsule's length; ``directions`` (F, 3) point outward, in the axes of the
+    segment at the capsule's begin; ``clearances`` (F,) are metres from surface to surface.
     """
 
     fractions_along_axis: FloatArray
@@ -66,7 +70,7 @@ class PalmPositions:
 
 
 def palm_centres(side: int, body: Morphology, positions: FloatArray) -> FloatArray:
-    """(F, 3) centre of a hand's palm."""
+    """Centres (F, 3) of the palm of a hand."""
     wrist = body.layout.wrist_point(side)
     return np.asarray(positions[:, wrist] + PALM_SURFACE_PROBE * (positions[:, wrist + 1] - positions[:, wrist]))
 
@@ -74,7 +78,7 @@ def palm_centres(side: int, body: Morphology, positions: FloatArray) -> FloatArr
 def palm_positions(
     side: int, capsule: int, body: Morphology, volume: BodyVolume, positions: FloatArray, rotations: FloatArray
 ) -> PalmPositions:
-    """``PalmPositions`` beside a capsule of ``volume``, of posed bodies (F, P, 3), (F, S, 3, 3)."""
+    """Positions of a palm relative to a capsule of ``volume``, for posed bodies (F, P, 3), (F, S, 3, 3)."""
     begin, end = (_end(volume, capsule, end, body, positions, rotations) for end in range(2))
     axis, way = end - begin, palm_centres(side, body, positions) - begin
     along = np.clip((axis * way).sum(axis=1) / (axis * axis).sum(axis=1), 0.0, 1.0)
@@ -98,7 +102,7 @@ def find_touches(
 ) -> Iterator[tuple[Touch, Span]]:
     """Yield each touch of the hands, with its frames, in the motion on its ``actor`` from ``first_frame`` on.
 
-    ``free`` (2, F) is True where each hand is off the ground.
+    ``free`` (2, F) is True where a hand is off the ground.
     """
     positions, rotations = (each[first_frame:] for each in realize_motion(motion, actor, play=True))
     free = free[:, first_frame:]
@@ -108,23 +112,25 @@ def find_touches(
     volume = usual_volume(actor)
     for side, name in enumerate(("left", "right")):
         parts = {}
-        for part, capsules in CAPSULES_OF.items():
+        for part, capsules in PART_CAPSULES.items():
             near = [palm_positions(side, capsule, actor, volume, positions, rotations) for capsule in capsules]
             rests, clearances = _resting(near, actor.leg_length, motion.frame_rate)
             hangs = part in ("hips", "thigh") and _hanging(side, actor, positions, rotations)
             parts[part] = rests & ~np.asarray(hangs), clearances
         found |= {Touch(f"{name}_hand_on_{part}"): mask & free[side] for part, mask in _nearest(parts).items()}
-    least = {Touch.HANDS_TOGETHER: PASSING, Touch.HANDS_ON_THING: SHORTEST_HOLD}
+    least = {Touch.HANDS_TOGETHER: PASSING_SECONDS, Touch.HANDS_ON_THING: SHORTEST_HOLD_SECONDS}
     for touch, mask in found.items():
-        for first, last in _joined(mask, round(TOUCH_GAP * motion.frame_rate)):
-            if last - first + 1 > least.get(touch, RESTS_FOR) * motion.frame_rate:
+        for first, last in _joined(mask, round(TOUCH_GAP_SECONDS * motion.frame_rate)):
+            if last - first + 1 > least.get(touch, LEAST_REST_SECONDS) * motion.frame_rate:
                 yield touch, (first + first_frame, last + first_frame)
 
 
 def hands_together_or_holding(
     actor: Morphology, positions: FloatArray, rotations: FloatArray, rate: float
 ) -> tuple[Mask, Mask]:
-    """Frames (F,) with hands together, and with a thing between hands, of posed bodies (F, P, 3), (F, S, 3, 3)."""
+    """Masks (F,) of frames with hands together, and with an object between hands, of posed bodies (F, P, 3), (F, S, 3,
+    3).
+    """
     layout, leg = actor.layout, actor.leg_length
     chest = rotations[:, layout.spine_count - 1]
     wrists = positions[:, [layout.wrist_point(0), layout.wrist_point(1)]] - positions[:, None, layout.neck_base]
@@ -134,38 +140,42 @@ def hands_together_or_holding(
     swinging &= np.minimum(wrists[:, 0, 1], -wrists[:, 1, 1]) > SWING_SIDE
     together = _between(np.where(swinging, np.maximum(gap, HANDS_MEET_DISTANCE[0]), gap), *HANDS_MEET_DISTANCE)
     before = wrists[:, :, 0].min(axis=1)
-    around = round(0.5 * STEADY_FOR * rate)
-    spread = highest(gap, around) - lowest(gap, around)
-    steady = highest(spread < STEADY_WRIST_CHANGE, around)  # a steady stretch is so as a whole
-    held = steady & (before > WRIST_AHEAD) & (gap > HELD_WRIST_RANGE[0]) & (gap < HELD_WRIST_RANGE[1]) & ~together
+    around = round(0.5 * STEADY_SECONDS * rate)
+    spread = sliding_maximum(gap, around) - sliding_minimum(gap, around)
+    steady = sliding_maximum(spread < STEADY_WRIST_CHANGE, around)  # a steady stretch is so as a whole
+    held = steady & (before > LEAST_WRIST_AHEAD) & (gap > HELD_WRIST_RANGE[0]) & (gap < HELD_WRIST_RANGE[1]) & ~together
     for first, last in spans_of(held):
         held[first : last + 1] = np.ptp(wrists[first : last + 1].mean(axis=1), axis=0).max() > CARRIED_DISTANCE
     return together, held
 
 
 def _hanging(side: int, actor: Morphology, positions: FloatArray, rotations: FloatArray) -> Mask:
-    """(F,) true where an arm hangs down."""
+    """Mask (F,) of frames in which an arm hangs down."""
     wrist = actor.layout.wrist_point(side)
     arm = positions[:, wrist] - positions[:, wrist - 2]
     length = np.linalg.norm(arm, axis=1)
     down = -(arm * rotations[:, actor.layout.spine_count - 1, :, 2]).sum(axis=1)
-    return np.asarray((length > HANGING[0] * actor.arm[side].sum()) & (down > HANGING[1] * length))
+    return np.asarray(
+        (length > HANGING_ARM_LIMITS[0] * actor.arm[side].sum()) & (down > HANGING_ARM_LIMITS[1] * length)
+    )
 
 
 def _resting(near: list[PalmPositions], leg: float, rate: float) -> tuple[Mask, FloatArray]:
-    """(F,) true where a palm rests beside one of some capsules, and its distance from the nearest."""
+    """Mask (F,) of frames in which a palm rests beside one of several capsules, and its distances (F,) from the
+    nearest.
+    """
     clearances = np.min([each.clearances for each in near], axis=0)
     speeds = np.min([_speed(each, rate) for each in near], axis=0)
-    return _between(clearances / leg, *HAND_REST_DISTANCE) & (speeds < LYING_STILL * leg), clearances
+    return _between(clearances / leg, *HAND_REST_DISTANCE) & (speeds < RESTING_HAND_SPEED * leg), clearances
 
 
 def _speed(spot: PalmPositions, rate: float) -> FloatArray:
-    """(F,) speed of a palm round a capsule or away from it, metres a second."""
+    """Speeds (F,) of a palm around or away from a capsule, in metres per second."""
     return _speed_of(spot.directions * (spot.clearances + 0.1)[:, None], rate)
 
 
 def _speed_of(track: FloatArray, rate: float) -> FloatArray:
-    """(F,) speed of a track (F, 3) over a tenth of a second, in its unit a second."""
+    """Speeds (F,) of ``track`` (F, 3) over a tenth of a second, in its unit per second."""
     half, frames = max(1, round(0.05 * rate)), np.arange(len(track))
     ahead, behind = np.minimum(frames + half, len(track) - 1), np.maximum(frames - half, 0)
     seconds = np.maximum(ahead - behind, 1) / rate
@@ -173,7 +183,7 @@ def _speed_of(track: FloatArray, rate: float) -> FloatArray:
 
 
 def _nearest(parts: dict[str, tuple[Mask, FloatArray]]) -> dict[str, Mask]:
-    """Rests of a hand on each part; each rest belongs to the part that is nearest to it overall."""
+    """Mask of the rests of a hand on each part; each rest belongs to the part that is nearest to it overall."""
     anywhere = np.any([mask for mask, _ in parts.values()], axis=0)
     found = {part: np.zeros_like(anywhere) for part in parts}
     for first, last in spans_of(anywhere):
@@ -184,7 +194,7 @@ def _nearest(parts: dict[str, tuple[Mask, FloatArray]]) -> dict[str, Mask]:
 
 
 def _between(track: FloatArray, begins: float, ends: float) -> Mask:
-    """(F,) true in runs in which ``track`` (F,) stays below ``ends`` and falls below ``begins``."""
+    """Mask (F,) of runs in which ``track`` (F,) stays below ``ends`` and falls below ``begins``."""
     found = np.zeros(len(track), dtype=np.bool_)
     for first, last in spans_of(track < ends):
         if (track[first : last + 1] < begins).any():
@@ -193,7 +203,7 @@ def _between(track: FloatArray, begins: float, ends: float) -> Mask:
 
 
 def _joined(mask: Mask, gap: int) -> list[Span]:
-    """Mask (F,) with gaps of up to ``gap`` frames between its runs closed."""
+    """Spans of True in ``mask`` (F,), with gaps of up to ``gap`` frames closed."""
     joined: list[Span] = []
     for first, last in spans_of(mask):
         if joined and first - joined[-1][1] - 1 <= gap:

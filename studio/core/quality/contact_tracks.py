@@ -1,4 +1,4 @@
-"""Slide of every contact since its beginning, and its height above the ground, in every frame."""
+"""Slide of every contact since its beginning, and height of the contact point above the ground, in every frame."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,14 +18,16 @@ from studio.core.solver.standing.swing_foot_path import Sole, worn_height
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-STEEP = 0.5
-"""Cosine of the angle from level beyond which a foot stands on its toes alone, wherever its heel would be."""
+TIPTOE_COSINE = 0.5
+"""Cosine of the tilt of a foot below which it stands on its toes alone, whatever the position of its heel."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Stances:
-    """The K contacts of a point, one after the other: their ``frames`` (n,), the contact ``of`` each frame (n,), and
-    the rows at which contacts begin and are halfway, (K,).
+    """Successive stances of one contact point, K in number, as arrays over their n frames.
+
+    ``frames`` (n,) are frame numbers, ``of`` (n,) is the index of the stance of each, and ``begins`` and ``middles``
+    (K,) are the positions in these arrays at which stances begin and are halfway.
     """
 
     frames: IntArray
@@ -44,10 +46,10 @@ class _Stances:
 def contact_tracks(
     adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground
 ) -> tuple[FloatArray, FloatArray]:
-    """Slides and heights above the ground (9, F) in metres, NaN without contact.
+    """Slides and heights above the ground (9, F) in metres, with a row for each ``ContactPoint``; NaN without contact.
 
-    A row for each ``ContactPoint``; a slide is the distance of a heel, or of the supporting end of a toe, from where
-    its contact began. ``contacts`` count frames in the whole motion.
+    A slide is the distance of a heel, or of the supporting end of a toe, from its position at the begin of the contact.
+    ``contacts`` count frames in the whole motion.
     """
     slides, heights = np.full((2, len(ContactPoint), adapted.frame_count), np.nan)
     for row, point in enumerate(ContactPoint):
@@ -63,7 +65,7 @@ def contact_tracks(
 def _standing_joint(
     adapted: AdaptedMotion, point: ContactPoint, stances: _Stances, ground: Ground
 ) -> tuple[FloatArray, FloatArray]:
-    """Slide (n,) of a hand, a knee or the seat along the ground, and its height; a wrist over its finger tips has
+    """Slide (n,) along the ground of a hand, a knee or the seat, and its height; a wrist over its finger tips has
     height 0.
     """
     body = adapted.body
@@ -86,13 +88,14 @@ def _slide(track: FloatArray, normals: FloatArray, stances: _Stances) -> FloatAr
 
 
 def _along(ways: FloatArray, normals: FloatArray) -> FloatArray:
-    """Components of vectors (n, 3) in the planes of ``normals`` (n, 3)."""
+    """Components of the vectors ``ways`` (n, 3) in the planes of ``normals`` (n, 3)."""
     return np.asarray(ways - np.einsum("nk,nk->n", ways, normals)[:, None] * normals)
 
 
 def _stood_on(ball: FloatArray, tip: FloatArray, normals: FloatArray, stances: _Stances) -> FloatArray:
-    """(n, 3) displacement of toes in the planes of ``normals`` (n, 3): that of the stillest point between ball and tip,
-    about which they turn or over which they roll.
+    """Displacements (n, 3) of toes in the planes of ``normals`` (n, 3).
+
+    They are those of the stillest point between ball and tip, about which the toes rotate or over which they roll.
     """
     of_ball, of_tip = (_along(np.diff(each, axis=0, prepend=each[:1]), normals) for each in (ball, tip))
     change = of_tip - of_ball
@@ -103,7 +106,8 @@ def _stood_on(ball: FloatArray, tip: FloatArray, normals: FloatArray, stances: _
 def _standing_foot(
     adapted: AdaptedMotion, point: ContactPoint, stances: _Stances, ground: Ground
 ) -> tuple[FloatArray, FloatArray]:
-    """Slide of the pad of a heel and height of its edge, or both of the lower one of ball and tip of the toes.
+    """Slide of the pad of a heel and height of its edge, or slide and height of the lower one of ball and tip of the
+    toes.
 
     Over an edge the ground is the plane on which the foot stands.
     """
@@ -120,7 +124,7 @@ def _standing_foot(
     foot = adapted.rotations[frames, segment]
     soles = soles_of(ankle[middles], foot[middles], at_frames(measures, middles))
     planes = planes_under(ground, soles)
-    steep = (foot[middles, 2, 2] < STEEP) & (not point.is_heel)
+    steep = (foot[middles, 2, 2] < TIPTOE_COSINE) & (not point.is_heel)
     normals = np.where(steep[:, None], ground.normal_at(toe[middles]), planes.normals)[of]
     if point.is_heel:
         below = np.column_stack([-measures[:, 4], 0.0 * measures[:, 4], -measures[:, 3]])

@@ -1,4 +1,4 @@
-"""Quality of an adapted motion, in millimetres and in ratios to its source."""
+"""Quality of an adapted motion, in metres and in ratios to its source."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,11 +24,11 @@ from studio.core.threads import do_over_frames
 
 FloatArray = NDArray[np.float64]
 
-SLOW = 1.0
-"""Radians a second: the same of how fast a joint turns."""
-NEAR_GROUND, SKATING_SPEED = 0.005, 0.7
-"""Height in metres above the ground, and speed in leg lengths a second, below which a foot that moves along the ground
-skates: a faster one swings.
+LEAST_TURNING_SPEED = 1.0
+"""Least peak speed in radians per second of a rotating joint in a ratio; slower ones are raised to it."""
+SKATE_HEIGHT_METRES, SKATING_SPEED = 0.005, 0.7
+"""Limits of skating: greatest height in metres of a foot above the ground, and greatest speed in leg lengths per second
+along it; a faster foot swings.
 """
 LIMB_BONES = [
     place for place, part in enumerate(BodyPart) if part.value.endswith(("upper_arm", "forearm", "thigh", "shank"))
@@ -41,11 +41,11 @@ class ContactQuality:
     """Worst values over all contacts of a motion, in metres."""
 
     slide: float
-    """Greatest distance along the ground of a standing joint from where its contact began."""
+    """Greatest distance along the ground of a standing joint from its position at the begin of the contact."""
     rise: float
     """Greatest height of a standing heel, ball, hand, knee or seat above the ground, along its normal."""
     penetration: float
-    """Greatest depth of any below it."""
+    """Greatest depth below the ground of any contact point."""
 
 
 def contact_quality(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground) -> ContactQuality:
@@ -54,7 +54,7 @@ def contact_quality(adapted: AdaptedMotion, contacts: Sequence[ContactInterval],
 
 
 def worst_of(slides: FloatArray, heights: FloatArray) -> ContactQuality:
-    """Worst values of ``contact_tracks``."""
+    """Worst values in the ``slides`` and ``heights`` of ``contact_tracks``."""
     if not np.isfinite(slides).any():
         return ContactQuality(0.0, 0.0, 0.0)
     rise, depth = float(np.nanmax(heights)), float(np.nanmax(-heights))
@@ -67,8 +67,10 @@ def centre_of_mass(adapted: AdaptedMotion) -> FloatArray:
 
 
 def mass_margins(adapted: AdaptedMotion, standing: NDArray[np.bool_]) -> FloatArray:
-    """Distances (F,) in metres from the centre of mass to the edge of the support polygon of the ``standing`` (9, F)
-    contacts: negative outside, NaN in flight.
+    """Distances (F,) in metres from the centre of mass to the edge of the support polygon; negative outside, NaN in
+    flight.
+
+    ``standing`` (9, F) masks the contacts that make the polygon.
     """
     margins = np.empty(adapted.frame_count)
 
@@ -82,16 +84,16 @@ def mass_margins(adapted: AdaptedMotion, standing: NDArray[np.bool_]) -> FloatAr
 
 
 def swing_depths(adapted: AdaptedMotion, contacts: Sequence[ContactInterval], ground: Ground) -> FloatArray:
-    """(2, F) metres by which a foot in the air is below the ground with some part of its sole; negative above it.
+    """Depths (2, F) in metres of the lowest part of the sole of a foot in the air below the ground; negative above it.
 
-    NaN where heel or toe stand. Within 5 mm of a riser or an edge counts as beside it.
+    NaN while heel or toe stand. A point within 5 mm of a riser or an edge counts as beside it.
     """
     states = foot_states(contacts, adapted.first_frame + adapted.frame_count)[:, adapted.first_frame :]
     return np.where(states == 0, -_sole_heights(adapted, ground).min(axis=2), np.nan)
 
 
 def body_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
-    """Heights (F,) in metres of the lowest point of the body (``point_heights``)."""
+    """Heights (F,) in metres above the ground of the lowest point of the body (``point_heights``)."""
     heights = np.empty(adapted.frame_count)
 
     def measure(run: slice) -> None:
@@ -103,10 +105,10 @@ def body_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
 
 
 def point_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
-    """Heights (F, N) in metres of the joints of the body, then of its soles, above the ground along its normal;
-    negative below it, with or without contacts.
+    """Heights (F, N) in metres of the joints of the body, then of its soles, above the ground along its normal.
 
-    Within 5 mm of a riser or an edge a point counts as beside it.
+    They are negative below the ground, with or without contacts. A point within 5 mm of a riser or an edge counts as
+    beside it.
     """
     soles = np.concatenate(_sole_points(adapted), axis=1)
     points = np.concatenate([adapted.positions[:], soles], axis=1)
@@ -114,8 +116,9 @@ def point_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
 
 
 def skate_distances(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
-    """Distances (2, F) in metres that each foot has moved along the ground since it came near it, with or without a
-    contact; 0 in the air. The lowest point of the sole counts, so that a foot may roll.
+    """Distances (2, F) in metres that each foot has moved along the ground since it came near it; 0 in the air.
+
+    Contacts do not matter. The lowest point of the sole is measured, so that a foot may roll.
     """
     count, first = adapted.frame_count, adapted.first_frame
     heights, steps = np.empty((2, count)), np.zeros((2, count))
@@ -130,7 +133,7 @@ def skate_distances(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
 
     do_over_frames(measure, count)
     slow = steps * adapted.frame_rate < SKATING_SPEED * adapted.morphology.leg_length
-    near = (heights < NEAR_GROUND) & slow
+    near = (heights < SKATE_HEIGHT_METRES) & slow
     distances = np.zeros(near.shape)
     for foot, step, row in zip(near, steps, distances, strict=True):
         for first, stop in runs_of(foot):
@@ -196,13 +199,13 @@ def angular_acceleration(rotations: FloatArray, frame_rate: float) -> FloatArray
 
 @dataclass(frozen=True, eq=False)
 class MotionPeaks:
-    """Greatest speeds and accelerations in the frames of a motion: all that a report compares of a source."""
+    """Greatest speeds and accelerations of a motion, which a report compares with those of its source."""
 
     frame_count: int
     turning: FloatArray
-    """(P, 2) angular speed in rad/s and acceleration in rad/s^2 of each ``BodyPart``."""
+    """Angular speed in rad/s and angular acceleration in rad/s^2 (P, 2) of each ``BodyPart``."""
     knees: FloatArray
-    """(2,) rad/s."""
+    """Angular speeds (2,) of the knees in rad/s."""
 
     @staticmethod
     def of(motion: AdaptedMotion) -> "MotionPeaks":
@@ -211,7 +214,7 @@ class MotionPeaks:
 
     @staticmethod
     def of_source(source: AdaptedMotion, adapted: AdaptedMotion) -> "MotionPeaks":
-        """Peaks of a source in the frames of ``adapted``."""
+        """Peaks of ``source`` in the frames of ``adapted``."""
         first = adapted.first_frame
         return MotionPeaks.of(source.frames(first, first + adapted.frame_count - 1))
 
@@ -226,23 +229,26 @@ class MotionPeaks:
         return float((ours / np.maximum(theirs, QUIET_PEAK)).max())
 
     def speed_ratio(self, source: "MotionPeaks") -> float:
-        """Greatest ratio of any segment's peak angular speed to that of the same segment in the source; 1 for a single
-        frame.
+        """Greatest ratio of any segment's peak angular speed to that of the same segment in the source.
+
+        It is 1 for a single frame.
         """
         if self.frame_count < 2:
             return 1.0
-        ours, theirs = (np.maximum(each.turning[:, 0], SLOW) for each in (self, source))
+        ours, theirs = (np.maximum(each.turning[:, 0], LEAST_TURNING_SPEED) for each in (self, source))
         return float((ours / theirs).max())
 
     def knee_speed_ratio(self, source: "MotionPeaks") -> float:
-        """Ratio of a knee's peak speed to that of the same knee in the source, of the worse knee; a popping knee shows
-        here.
+        """Greater ratio, of both knees, of the peak speed to that of the same knee in the source; high for a popping
+        knee.
         """
-        return float((np.maximum(self.knees, SLOW) / np.maximum(source.knees, SLOW)).max())
+        return float(
+            (np.maximum(self.knees, LEAST_TURNING_SPEED) / np.maximum(source.knees, LEAST_TURNING_SPEED)).max()
+        )
 
 
 def acceleration_ratio(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """``MotionPeaks.acceleration_ratio`` of a motion to the same frames of its source."""
+    """Ratio ``MotionPeaks.acceleration_ratio`` of a motion to the same frames of its source."""
     return MotionPeaks.of(adapted).acceleration_ratio(MotionPeaks.of_source(source, adapted))
 
 

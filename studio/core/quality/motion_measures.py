@@ -10,16 +10,18 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class MotionMeasure:
-    """A number for each frame of an adapted motion."""
+    """Measure that gives a number for each frame of an adapted motion."""
 
     title: str
     """Name in plots, and key in reports."""
     unit: str
     values: Callable[[Any], NDArray[np.float64]]
-    """``(adapted: AdaptedMotion) -> (F,)`` in ``unit``, one for each of its frames."""
+    """``(adapted: AdaptedMotion) -> (F,)``: function that returns the values in ``unit``."""
 
     def of(self, adapted: Any) -> NDArray[np.float64]:
-        """Values (F,) of an adapted motion; errors of its package are raised as a ValueError that names the measure."""
+        """Values (F,) for an adapted motion. An error of the plug-in is raised as a ValueError that names
+        the measure.
+        """
         try:
             values = np.asarray(self.values(adapted), dtype=np.float64)
         except Exception as error:  # another's code may raise anything
@@ -37,7 +39,7 @@ ADDED_MEASURES: dict[str, MotionMeasure] = {}
 
 
 def add_measure(measure: MotionMeasure) -> MotionMeasure:
-    """Register a measure; raises ValueError if its title is taken."""
+    """Register a measure and return it. Raises ValueError if its title is taken."""
     if ADDED_MEASURES.get(measure.title, measure) != measure:
         raise ValueError(f"there is already a measure called '{measure.title}'.")
     ADDED_MEASURES[measure.title] = measure

@@ -23,26 +23,26 @@ from studio.core.solver.standing.footing import foot_states
 
 FloatArray = NDArray[np.float64]
 
-COMMON_LEG = 0.85
-"""Metres to which legs are scaled before lengths are compared."""
-STANCE_MARGIN = 0.033
-"""Seconds at either end of a stance that are not looked at."""
-WRISTS_TOGETHER = 0.25
-"""Metres within which wrists belong together."""
-DRIFT = 1.5
-"""Seconds of which the mean is taken off the hips' height before its ups and downs are compared."""
-LEAST_STEP, LEAST_BOB = 0.01, 0.001
-"""Metres that a joint's greatest step, and the bob, of a source count at least."""
+COMMON_LEG_METRES = 0.85
+"""Leg length in metres to which bodies are scaled before lengths are compared."""
+STANCE_MARGIN_SECONDS = 0.033
+"""Seconds at either end of a stance that are ignored."""
+NEAR_WRISTS_METRES = 0.25
+"""Distance in metres of wrists that belong together."""
+BOB_WINDOW_SECONDS = 1.5
+"""Window in seconds whose mean is subtracted from the height of the hips before its ups and downs are compared."""
+LEAST_STEP_METRES, LEAST_BOB_METRES = 0.01, 0.001
+"""Least values in metres of the source in ratios: of a joint's greatest step, and of the bob of the hips."""
 
 
 PART_SEGMENTS = {
     "spine": (0, 1), "head": (2, 3), "clavicles": (4, 8), "arms": (5, 6, 9, 10), "hands": (7, 11),
     "legs": (12, 13, 16, 17), "feet": (14, 18), "toes": (15, 19),
 }  # fmt: skip
-"""Segments, of those that ``_segments`` compares, by the part of the body that they are."""
+"""Indices, in the segments that ``_segments`` compares, by part of the body."""
 _HEAD, _HANDS = 3, PART_SEGMENTS["hands"]
 """Segments whose x axes are directions: that of the face, and the normals of the palms."""
-SWING_SHARE = 98.0
+SWING_KNEE_PERCENTILE = 98.0
 """Percentile of the straightness of swinging knees that is reported."""
 
 
@@ -51,18 +51,20 @@ class MotionQuality:
     """Quality measures of one adapted motion; NaN where a measure does not apply."""
 
     below: float
-    """The lowest joint below the ground, in excess of the source's own."""
+    """Greatest depth of a joint below the ground, beyond that of the source."""
     drop: float
     """Mean lowering of the hips above standing ankles, relative to the source."""
     knee_mean: float
-    """Additional bend of stance knees, mean and greatest."""
+    """Additional bend of stance knees: the mean, and ``knee_most`` the greatest."""
     knee_most: float
     swing_knee: float
-    """Straightness of knees beyond the source's, in the straightest fiftieth of the frames of a foot in the air."""
+    """Straightness of knees beyond that of the source, in the straightest fiftieth of the frames of a foot
+    in the air.
+    """
     toes: float
-    """Greatest fold of toes beyond the source's while their foot is in the air."""
+    """Greatest bend of toes beyond that of the source while their foot is in the air."""
     bob: float
-    """Ups and downs of the hips, as parts of the source's."""
+    """Vertical oscillation of the hips relative to that of the source."""
     posture: float
     """Greatest difference of elevation of trunk, upper arms, forearms, thighs and shanks."""
     face: float
@@ -70,15 +72,17 @@ class MotionQuality:
     palms: float
     """Greatest angle between the normals of the palms."""
     shoulders: float
-    """Least distance of the shoulder joints in parts of that at rest, less the same of the source."""
+    """Least distance of the shoulder joints relative to that at rest, minus that of the source."""
     hands: float
-    """Mean error of the wrists' distance while the source's are near each other."""
+    """Mean error of the distance between the wrists while those of the source are near each other."""
     jump: float
-    """Greatest step of a joint in a frame beside the same joint's in the source, on bones as long as that's."""
+    """Greatest ratio of a joint's longest step in one frame to that of the same joint in the source, for bones of equal
+    length.
+    """
     peaks: Mapping[str, float]
-    """Greatest angular acceleration of the segments of each of ``PART_SEGMENTS`` beside their own in the source."""
+    """Greatest ratio of peak angular accelerations to those of the source, by part (``PART_SEGMENTS``)."""
     inside: float
-    """Greatest penetration of an arm into its own body beyond that of the actor, or of the rest pose."""
+    """Greatest penetration of an arm into the own body, beyond that of the actor or of the rest pose."""
 
     @property
     def peak(self) -> float:
@@ -105,7 +109,8 @@ def motion_quality(
     bend, drop = np.concatenate(knees), np.concatenate([of_source - own for of_source, own in above])
     stands = len(bend) > 0
     heights = (
-        _scaled(adapted)[..., 2] - ground.height_at(adapted.positions) * COMMON_LEG / adapted.morphology.leg_length
+        _scaled(adapted)[..., 2]
+        - ground.height_at(adapted.positions) * COMMON_LEG_METRES / adapted.morphology.leg_length
     )
     peaks = np.array([_peak(adapted, s) / max(_peak(source, t), QUIET_PEAK) for s, t in _segments(adapted, source)])
     return MotionQuality(
@@ -113,9 +118,9 @@ def motion_quality(
         drop=float(drop.mean()) if stands else np.nan,
         knee_mean=float(bend.mean()) if stands else np.nan,
         knee_most=float(bend.max()) if stands else np.nan,
-        swing_knee=float(np.percentile(straighter, SWING_SHARE)) if len(straighter) else np.nan,
+        swing_knee=float(np.percentile(straighter, SWING_KNEE_PERCENTILE)) if len(straighter) else np.nan,
         toes=float(folded.max()) if len(folded) else np.nan,
-        bob=_bob(adapted) / max(_bob(source), LEAST_BOB),
+        bob=_bob(adapted) / max(_bob(source), LEAST_BOB_METRES),
         posture=float(np.abs(limb_elevations(adapted) - limb_elevations(source)).max()),
         face=float(_x_axes_apart(adapted, source, _HEAD).max()),
         palms=max(float(_x_axes_apart(adapted, source, hand).max()) for hand in _HANDS),
@@ -132,8 +137,8 @@ def _from(first_frame: int, motion: AdaptedMotion) -> AdaptedMotion:
 
 
 def _steady(standing: NDArray[np.bool_], frame_rate: float) -> NDArray[np.bool_]:
-    """(2, F) contact mask without the first and last moments of each stance."""
-    edge = max(1, round(STANCE_MARGIN * frame_rate))
+    """Contact mask (2, F) without the first and last moments of each stance."""
+    edge = max(1, round(STANCE_MARGIN_SECONDS * frame_rate))
     inner = standing.copy()
     for step in range(1, edge + 1):
         inner[:, step:] &= standing[:, :-step]
@@ -142,7 +147,7 @@ def _steady(standing: NDArray[np.bool_], frame_rate: float) -> NDArray[np.bool_]
 
 
 def _scaled(motion: AdaptedMotion) -> FloatArray:
-    return np.asarray(motion.positions[:] * (COMMON_LEG / motion.morphology.leg_length))
+    return np.asarray(motion.positions[:] * (COMMON_LEG_METRES / motion.morphology.leg_length))
 
 
 def _ankle(motion: AdaptedMotion, side: int) -> int:
@@ -162,7 +167,7 @@ def _knee(motion: AdaptedMotion, side: int) -> FloatArray:
 
 
 def vector_angles(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Radians (F,) between vectors (F, 3)."""
+    """Angles (F,) in radians between vectors (F, 3)."""
     sine = np.linalg.norm(np.cross(first, second), axis=1)
     return np.asarray(np.arctan2(sine, np.einsum("fk,fk->f", first, second)))
 
@@ -174,18 +179,22 @@ def _toe_fold(motion: AdaptedMotion, side: int) -> FloatArray:
 
 
 def _x_axes_apart(adapted: AdaptedMotion, source: AdaptedMotion, number: int) -> FloatArray:
-    """(F,) radians between the x axes of both motions' segments with a ``number`` of ``_segments``."""
+    """Angles (F,) in radians between the x axes of both motions, for the segments at index ``number`` of
+    ``_segments``.
+    """
     own, theirs = _segments(adapted, source)[number]
     return vector_angles(adapted.rotations[:, own, :, 0], source.rotations[:, theirs, :, 0])
 
 
 def _bob(motion: AdaptedMotion) -> float:
     height = _hips(motion)[:, 2]
-    return float(np.std(height - uniform_filter1d(height, max(3, round(DRIFT * motion.frame_rate)), mode="mirror")))
+    return float(
+        np.std(height - uniform_filter1d(height, max(3, round(BOB_WINDOW_SECONDS * motion.frame_rate)), mode="mirror"))
+    )
 
 
 def limb_elevations(motion: AdaptedMotion) -> FloatArray:
-    """(F, 9) elevation in radians of the trunk and of both bones of left arm, right arm, left leg and right leg."""
+    """Elevations (F, 9) in radians of the trunk and of both bones of left arm, right arm, left leg and right leg."""
     layout = motion.morphology.layout
     roots = [layout.collar_point(0) + 1, layout.collar_point(1) + 1, layout.hip_point(0), layout.hip_point(1)]
     bones = [(0, layout.neck_base), *((root + k, root + k + 1) for root in roots for k in (0, 1))]
@@ -201,7 +210,9 @@ def _least_shoulders(motion: AdaptedMotion) -> float:
 
 
 def _hands(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """Error of the hands; distances between the source's own and that scaled by the arms count as right."""
+    """Mean error of the distance between the hands; any distance from the source's own to that scaled by the arms is
+    right.
+    """
     own, theirs = (
         np.linalg.norm(
             m.positions[:, m.morphology.layout.wrist_point(0)] - m.positions[:, m.morphology.layout.wrist_point(1)],
@@ -209,7 +220,7 @@ def _hands(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
         )
         for m in (adapted, source)
     )
-    near = theirs * COMMON_LEG / source.morphology.leg_length < WRISTS_TOGETHER
+    near = theirs * COMMON_LEG_METRES / source.morphology.leg_length < NEAR_WRISTS_METRES
     if not near.any():
         return np.nan
     scaled = theirs[near] * adapted.morphology.arm.sum() / source.morphology.arm.sum()
@@ -218,26 +229,28 @@ def _hands(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
 
 
 def _jump(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """Greatest step relative to that of the source.
+    """Greatest ratio of the step of a joint to its step in the source.
 
     Joints are measured from the middle of the hips along the chain of bones, scaled to the source's.
     """
-    reaches = _reaches(source.morphology) * (COMMON_LEG / source.morphology.leg_length)
+    reaches = _reaches(source.morphology) * (COMMON_LEG_METRES / source.morphology.leg_length)
     mine, theirs = (_steps(motion, reaches) for motion in (adapted, source))
-    return float((mine / np.maximum(theirs, LEAST_STEP)).max())
+    return float((mine / np.maximum(theirs, LEAST_STEP_METRES)).max())
 
 
 def _steps(motion: AdaptedMotion, reaches: FloatArray) -> FloatArray:
-    """(21,) metres: greatest step in one frame of the hips, up or down, and of the limbs' points."""
+    """Greatest steps (21,) in metres in one frame: of the hips vertically, and of the points of the limbs."""
     hips, limbs = _hips(motion)[:, None], motion.positions[:, -20:]
-    middle = hips * (motion.morphology.leg_length / COMMON_LEG)
+    middle = hips * (motion.morphology.leg_length / COMMON_LEG_METRES)
     up = hips * [0.0, 0.0, 1.0]
     places = np.concatenate([up, up + (limbs - middle) * (reaches / _reaches(motion.morphology))[:, None]], axis=1)
     return np.asarray(np.linalg.norm(np.diff(places, axis=0), axis=2).max(axis=0, initial=0.0))
 
 
 def _reaches(body: Morphology) -> FloatArray:
-    """(20,) metres from the middle of the hips along the bones to each point of both arms, then of both legs."""
+    """Lengths (20,) in metres along the bones from the middle of the hips to each point of both arms, then of both
+    legs.
+    """
     middle, (collars, hips) = body.hip_offset.mean(axis=0), (body.collar_base, body.hip_offset)
     trunk = float(np.linalg.norm(middle)) + body.spine_length
     bases = trunk + np.linalg.norm(collars, axis=1), np.linalg.norm(hips - middle, axis=1)
@@ -248,14 +261,14 @@ def _reaches(body: Morphology) -> FloatArray:
 
 
 def _inside(adapted: AdaptedMotion, source: AdaptedMotion) -> float:
-    """Penetration of the body by itself beyond that at rest, where sleeves, skirts and thick arms may overlap."""
+    """Greatest self-penetration of the body beyond that at rest, where sleeves, skirts and thick arms may overlap."""
     body, volume = adapted.morphology, adapted.volume or usual_volume(adapted.morphology)
     allowed = np.minimum(rest_clearances(body, volume), min(0.0, float(arm_distances(source).min())))
     return max(0.0, float((allowed - arm_distances(adapted)).max()))
 
 
 def _segments(adapted: AdaptedMotion, source: AdaptedMotion) -> list[tuple[int, int]]:
-    """Segments of both bodies that correspond: the pelvis and thorax and all beyond."""
+    """Pairs of corresponding segments of both bodies: pelvis, thorax and all segments beyond them."""
     own, theirs = adapted.morphology.layout.spine_count, source.morphology.layout.spine_count
     return [(0, 0), *((own + k, theirs + k) for k in range(-1, 18))]
 

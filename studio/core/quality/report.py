@@ -1,11 +1,11 @@
-"""Report of every constraint in every frame, and of feet, knees and balance: arrays for plots.
+"""Report of every constraint in every frame, and of feet, knees and balance, as arrays for plots.
 
 The blocker of a constraint is found by counterfactuals: the frame is solved without each other constraint of the same
 or a higher priority, without contacts, without joint limits, or without smoothing, and the motion is posed without the
-self-contacts that act after the solver. The one whose absence removes most of the residual is named. Where none helps
-alone, they are removed one after the other; if even that does not help, the reach of the body is named. Sampled frames
-stand for the frames around them. Manual corrections above the constraints, and followed characters who moved on as
-they were solved in turn, are named where they add most to the residual.
+self-contacts that act after the solver. The blocker is the one whose absence removes most of the residual. If no single
+one helps, they are removed one after the other; if even that does not help, the blocker is the reach of the body.
+Sampled frames stand for the frames around them. Manual corrections above the constraints, and followed characters that
+moved on when they were solved in turn, are blockers where they add most to the residual.
 """
 
 import math
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.base import Constraint
-from studio.core.curves.activation import FULLY_ACTIVE
+from studio.core.curves.activation import LEAST_FULL_ACTIVATION
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.quality.metrics import body_heights, knee_speeds, mass_margins, skate_distances
@@ -37,29 +37,30 @@ Mask = NDArray[np.bool_]
 BLOCKED_BY_NOTHING, BLOCKED_BY_CONTACTS, BLOCKED_BY_LIMITS, BLOCKED_BY_REACH, BLOCKED_BY_SMOOTHING = -1, -2, -3, -4, -5
 BLOCKED_BY_TOUCHES, BLOCKED_BY_CLEARANCE, BLOCKED_BY_TOLERANCE = -6, -7, -8
 BLOCKED_BY_CORRECTIONS, BLOCKED_BY_FOLLOWED, BLOCKED_BY_GROUND = -9, -10, -11
-"""Blockers of a constraint other than the row of another one: none (met, or inactive), contacts with the ground, joint
-limits, the reach of body and chain, smoothing in time, hands that touch, arms that stay out of the body, the solver's
-own tolerance, manual corrections above it, characters who follow this one in turn, and the ground over its target.
+"""Blockers of a constraint other than the index of another one: none (met, or inactive), contacts with the ground,
+joint limits, the reach of body and chain, smoothing in time, hands that touch, arms that stay out of the body, the
+solver's own tolerance, manual corrections above it, characters who follow this one in turn, and the ground over its
+target.
 """
-MET_BY_UNIT = {"m": PRIORITY_TOLERANCE, "rad": float(np.radians(0.1))}
+MET_TOLERANCE_BY_UNIT = {"m": PRIORITY_TOLERANCE, "rad": float(np.radians(0.1))}
 """Greatest residual of a constraint that counts as met, by unit."""
 SAMPLE_SECONDS = 0.2
-"""Seconds between samples: a third of the cost of all frames, 5 % of which then get another blocker."""
+"""Seconds between sampled frames: a third of the cost of all frames, with another blocker in 5 % of them."""
 RELEVANT_FRACTION = 0.05
-"""Fraction of a residual that an absence has to remove to be relevant."""
+"""Least fraction of a residual that the absence of a blocker removes."""
 
 
 @dataclass(frozen=True, eq=False)
 class QualityReport:
     """Report of C constraints over F frames.
 
-    ``residuals`` (C, F) metres or radians, NaN where inactive; ``misses`` (C, F) the same measured on the poses, at
-    full activation, active or not (``measured_residuals.full_residuals``); ``winners`` (C, F) the blocker of each
-    constraint: the row of a constraint, or one of the constants above; ``slides`` and ``heights`` (9, F) metres, a row
-    for each ``ContactPoint``, NaN without contact; ``lowest`` (F,) and ``skates`` (2, F) metres, the height of the
-    lowest point of the body and the travel of each foot along the ground, with or without contact
-    (``quality.metrics``); ``knee_speeds`` (2, F) rad/s; ``mass_margins`` (F,) metres from the centre of mass to the
-    edge of the support polygon, negative outside, NaN in flight.
+    ``residuals`` (C, F) are in metres or radians, NaN where inactive. ``misses`` (C, F) are measured on the poses, at
+    full activation, active or not (``measured_residuals.full_residuals``). ``winners`` (C, F) is the blocker of each
+    constraint: the index of a constraint, or one of the ``BLOCKED_BY_*`` constants. ``slides`` and ``heights`` (9, F),
+    metres, have a row for each ``ContactPoint``, NaN without contact. ``lowest`` (F,) and ``skates`` (2, F), metres,
+    are the height of the lowest point of the body and the travel of each foot along the ground, with or without contact
+    (``quality.metrics``). ``knee_speeds`` (2, F) are in rad/s. ``mass_margins`` (F,) are metres from the centre of mass
+    to the edge of the support polygon, negative outside, NaN in flight.
     """
 
     residuals: FloatArray
@@ -74,7 +75,7 @@ class QualityReport:
 
 
 def report_of(standing: GroundedMotion, request: AdaptRequest, adapted: AdaptedMotion) -> QualityReport:
-    """Report of ``adapted``, the answer to ``request`` on its grounded motion, in any window."""
+    """Report of ``adapted``, the solution of ``request`` on its grounded motion, in any range of frames."""
     window = _window_of(adapted)
     stands = standing_mask(standing.contacts, request.motion.frame_count)[:, window]
     slides, heights = contact_tracks(adapted, standing.contacts, request.ground)
@@ -97,7 +98,7 @@ def _misses_and_blockers(
 ) -> tuple[FloatArray, IntArray]:
     """Residuals (C, F) measured on the poses of ``adapted``, and their blockers (C, F).
 
-    Of the solver, the corrections above it and the characters who moved on, the one that adds most is named.
+    Of the solver, the corrections above it and the characters that moved on, the one that adds most is the blocker.
     """
     problem = _Problem(standing, request.constraints, request.tracks)
     if not request.final_tracks and not any(each.above for each in request.corrections):
@@ -109,7 +110,7 @@ def _misses_and_blockers(
     solved_misses, corrected = problem.misses(solved), problem.misses(adapted)
     misses = replace(problem, tracks={**request.tracks, **request.final_tracks}).misses(adapted)
     blockers = _BlockerSearch(problem, solved, solved_misses, request.eased).winners()
-    limits = np.array([MET_BY_UNIT[each.unit] for each in request.constraints]).reshape(-1, 1)
+    limits = np.array([MET_TOLERANCE_BY_UNIT[each.unit] for each in request.constraints]).reshape(-1, 1)
     added = np.nan_to_num(np.stack([solved_misses, corrected - solved_misses, misses - corrected]))
     added[0, blockers == BLOCKED_BY_NOTHING] = -np.inf  # the solver met it
     full = fully_active(request.constraints, request.motion.times[window])
@@ -125,22 +126,23 @@ def blocking_constraints(
     adapted: AdaptedMotion,
     eased: bool = False,
 ) -> IntArray:
-    """Row of the constraint, or a ``BLOCKED_BY_*`` number, that keeps each of C constraints from its target in each of
-    F frames, (C, F).
+    """Index of the constraint, or ``BLOCKED_BY_*`` constant, that keeps each of C constraints from its
+    target, (C, F).
     """
     problem = _Problem(standing, constraints, tracks)
     return _BlockerSearch(problem, adapted, problem.misses(adapted), eased).winners()
 
 
 def fully_active(constraints: Sequence[Constraint], times: FloatArray) -> Mask:
-    """(C, F) True where the activation of a constraint is 1, with or without contacts."""
-    active = [each.activation.at(times) >= FULLY_ACTIVE for each in constraints]
+    """Mask (C, F) of the frames in which the activation of a constraint is 1, with or without contacts."""
+    active = [each.activation.at(times) >= LEAST_FULL_ACTIVATION for each in constraints]
     return np.array(active, dtype=np.bool_).reshape(-1, len(times))
 
 
 def sampled_frames(state: Mask, apart: int) -> tuple[IntArray, IntArray]:
-    """Sampled frames (n,), at most ``apart`` frames from each other, and the index (F,) of the sample that stands for
-    each frame. A sample has the same ``state`` (S, F) as its frames.
+    """Sampled frames (n,), at most ``apart`` frames from each other, and the index (F,) of the sample for each frame.
+
+    All frames of a sample have the same ``state`` (S, F).
     """
     changes = np.flatnonzero((state[:, 1:] != state[:, :-1]).any(axis=0)) + 1
     runs = np.split(np.arange(state.shape[1]), changes)
@@ -154,7 +156,7 @@ def _window_of(adapted: AdaptedMotion) -> slice:
 
 @dataclass(frozen=True, eq=False)
 class _Problem:
-    """C constraints on a grounded motion, with the tracks that they follow."""
+    """Constraints, C in number, on a grounded motion, with the tracks that they follow."""
 
     standing: GroundedMotion
     constraints: Sequence[Constraint]
@@ -171,8 +173,8 @@ class _Problem:
         return full_residuals(self.constraints, targets, adapted)
 
     def solved_residuals(self, rows: IntArray, frames: IntArray, bound: SolverLimits = ALL_LIMITS) -> FloatArray:
-        """Residuals (A, m) of the constraints of some ``rows`` (A,), solved without the others and without smoothing
-        in some ``frames`` (m,).
+        """Residuals (A, m) of the constraints ``rows`` (A,) in ``frames`` (m,), solved without the others and without
+        smoothing.
         """
         constraints, window = [self.constraints[row] for row in rows], slice(int(frames[0]), int(frames[-1]) + 1)
         solved = SolvedWindow(self.standing, constraints, self.activations[rows], self.tracks, bound, window)
@@ -184,11 +186,11 @@ class _BlockerSearch:
     """Search for the blockers of C constraints in n frames: the best candidate so far, and its gain."""
 
     def __init__(self, problem: _Problem, adapted: AdaptedMotion, misses: FloatArray, eased: bool) -> None:
-        """``misses`` (C, F) measured on the poses of ``adapted``, which was smoothed if ``eased``."""
+        """Start a search with ``misses`` (C, F), measured on the poses of ``adapted``; ``eased`` if it was smoothed."""
         window, constraints = _window_of(adapted), problem.constraints
         self._problem, self._window, self._eased = problem, window, eased
         self._ranks = np.array([each.priority for each in constraints], dtype=np.int64)
-        self._limits = np.array([MET_BY_UNIT[each.unit] for each in constraints]).reshape(-1, 1)
+        self._limits = np.array([MET_TOLERANCE_BY_UNIT[each.unit] for each in constraints]).reshape(-1, 1)
         self._full = fully_active(constraints, problem.standing.motion.times[window])
         self._residuals, self._misses = adapted.residuals, np.where(self._full, misses, adapted.residuals)
         missed = np.where(self._full, ~(misses <= self._limits), adapted.residuals > self._limits)
@@ -198,7 +200,7 @@ class _BlockerSearch:
         self._frames = np.arange(window.start, window.stop)
 
     def winners(self) -> IntArray:
-        """Blockers (C, F) as in ``Report.winners``."""
+        """Blockers (C, F), as in ``QualityReport.winners``."""
         every, always = np.arange(len(self._ranks)), np.ones(len(self._frames), dtype=np.bool_)
         self._weigh_posing()
         if self._eased:
@@ -218,14 +220,14 @@ class _BlockerSearch:
         return found
 
     def _waiting(self) -> Mask:
-        """(C, F) True where the contacts of a limb move it although it has constraints."""
+        """Mask (C, F) of the frames in which the contacts of a limb move it although it has constraints."""
         problem, standing = self._problem, self._problem.standing
         target = [each.activation.at(standing.motion.times[self._window]) for each in problem.constraints]
         released = contact_release(problem.constraints, standing, self._window)
         return np.asarray((np.reshape(target, released.shape) > 0.0) & (released < 1.0))
 
     def _sample(self) -> IntArray:
-        """Keep sampled frames alone; returns the index (F,) of the sample for each frame."""
+        """Reduce the search to sampled frames, and return the index (F,) of the sample for each frame."""
         state = np.concatenate([np.isfinite(self._residuals), self._found])
         kept, sample_of = sampled_frames(state, round(SAMPLE_SECONDS * self._problem.standing.motion.frame_rate))
         self._frames = self._frames[kept]
@@ -234,8 +236,9 @@ class _BlockerSearch:
         return sample_of
 
     def _weigh_posing(self) -> None:
-        """Note the steps that pose arms after the solver, where the poses miss more than the solver left; of several
-        the one whose absence alone helps most.
+        """Note, as blockers, the steps that pose arms after the solver, if the poses miss more than the solver left.
+
+        Of several steps it is the one whose absence alone helps most.
         """
         standing, apart = self._problem.standing, self._misses - self._residuals
         absent = _posed_without(standing)
@@ -246,14 +249,14 @@ class _BlockerSearch:
             self._note(names, np.arange(len(self._found)), np.arange(len(self._frames)), whole)
 
     def _gain_of(self, standing: GroundedMotion) -> FloatArray:
-        """Gain (C, F) on another grounded motion where a constraint is fully active: the decrease of its residual."""
+        """Decrease (C, F) of the residuals of fully active constraints on another grounded motion."""
         problem, first, last = self._problem, self._window.start, self._window.stop - 1
         posed = solve_constraints(standing, problem.constraints, first, last, problem.tracks, eased=self._eased)
         return np.where(self._full, self._misses - problem.misses(posed), 0.0)
 
     def _weigh(self, name: int, asked: IntArray, rows: IntArray, acts: Mask, bound: SolverLimits = ALL_LIMITS) -> None:
-        """Note ``name`` as blocker where it acts (``acts``, (n,)) and the constraints ``asked`` alone leave smaller
-        residuals of ``rows`` than any candidate so far.
+        """Note ``name`` as blocker in the frames ``acts`` (n,) if solving only the constraints ``asked`` helps most so
+        far.
         """
         numbers = np.flatnonzero(acts & (self._found[rows] != BLOCKED_BY_NOTHING).any(axis=0))
         if len(numbers):
@@ -261,15 +264,18 @@ class _BlockerSearch:
             self._note(name, rows, numbers, self._residuals[np.ix_(rows, numbers)] - left)
 
     def _note(self, name: int | IntArray, rows: IntArray, numbers: IntArray, gain: FloatArray) -> None:
-        """Note ``name`` where its ``gain`` (R, m) is the best in some ``rows`` (R,) and frames (m,)."""
+        """Note ``name`` where its ``gain`` (R, m) is the best so far, for constraints ``rows`` (R,) in frames
+        ``numbers`` (m,).
+        """
         here = np.ix_(rows, numbers)
         better = gain > self._best[here]
         self._found[here] = np.where(better, name, self._found[here])
         self._best[here] = np.where(better, gain, self._best[here])
 
     def _weigh_together(self, row: int) -> None:
-        """Note, if nothing helps alone, the first that helps when removed together with the others before it:
-        constraints, contacts, limits. If a free body misses the target as well, its reach is named.
+        """Note, if no absence helps alone, the first that helps when removed together with the ones before it.
+
+        The order is constraints, contacts, limits. If a free body misses the target as well, the blocker is its reach.
         """
         for name, bound in (
             (None, ALL_LIMITS),
@@ -289,14 +295,16 @@ class _BlockerSearch:
         self._found[row, numbers[unexplained & (left > self._limits[row])]] = BLOCKED_BY_REACH
 
     def _name_highest(self, row: int, numbers: IntArray) -> None:
-        """Name the highest other constraint that acts in some frames (m,)."""
+        """Note, as blocker of the constraint ``row``, the other acting constraint with the highest priority in frames
+        ``numbers`` (m,).
+        """
         for other in reversed(np.argsort(self._ranks, kind="stable").tolist()):
             if other != row:
                 self._found[row, numbers[np.isfinite(self._residuals[other, numbers])]] = other
 
 
 def _posed_without(standing: GroundedMotion) -> dict[int, GroundedMotion]:
-    """Grounded motion without each step that poses arms after the solver, by its name among the blockers."""
+    """Grounded motions, each without one step that poses arms after the solver, by the blocker that the step is."""
     absent, contact = dict[int, GroundedMotion](), standing.self_contact
     if standing.arms is not None:
         absent[BLOCKED_BY_CONTACTS] = replace(standing, arms=None)

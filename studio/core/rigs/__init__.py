@@ -1,1 +1,1 @@
-"""Bodies as skeletons of other programs: joints, zero poses, root motion, bound skins."""
+"""Bodies as skeletons of other programs: joints, zero poses, root motion, fingers, and bound skins."""

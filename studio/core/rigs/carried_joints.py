@@ -25,8 +25,9 @@ FloatArray = NDArray[np.float64]
 
 
 def carried_joints(skeleton: Skeleton, body: BodyMap) -> tuple[int, ...]:
-    """Extra joints of a capture that are transferred to a character, parents first: all that belong to no body part,
-    except the ancestors of the body and the ends of its own bones.
+    """Extra joints of a capture that are transferred to a character, parents first.
+
+    They are all that belong to no body part, except the ancestors of the body and the ends of its own bones.
     """
     played = {*body.parts.values(), *body.spine, *skeleton.path(0, body.spine[0])}
     carried: list[int] = []
@@ -44,13 +45,12 @@ def with_carried_joints(
     carried: Sequence[int],
     captured: PoseSequence | None = None,
 ) -> tuple[Skeleton, PoseSequence]:
-    """``character_skeleton`` and ``character_poses`` of ``adapted``, followed by the ``carried_joints`` of the capture.
-
-    ``captured`` are poses of the capture's joints in these frames, if they are not those of the same frames of the
+    """Skeleton and poses of ``adapted`` (see ``character_skeleton``), followed by the ``carried`` joints of the
     capture.
 
     Each is a child of the joint of its segment, rotated as captured, and its offset is scaled with the segment. Joints
-    outside the body stay where they were recorded.
+    outside the body stay where they were recorded. ``captured`` are poses of the capture's joints in these frames, if
+    they are not those of the same frames of the capture.
     """
     source = actor.skeleton
     if captured is None:
@@ -90,7 +90,7 @@ def with_carried_joints(
 
 
 def _carriers(body: Morphology, actor: SourceRig) -> tuple[list[int], FloatArray, FloatArray]:
-    """For each segment of the actor: the character's joint in its place, C (S, 3, 3), and s (S,)."""
+    """For each segment of the actor: the corresponding joint of the character, C (S, 3, 3), and s (S,)."""
     theirs = body.layout
     away = np.abs(spine_fractions(actor.morphology.spine)[:, None] - spine_fractions(body.spine))
     after = range(theirs.spine_count, theirs.segment_count)
@@ -102,10 +102,10 @@ def _carriers(body: Morphology, actor: SourceRig) -> tuple[list[int], FloatArray
 
 
 def _lengths(body: Morphology) -> FloatArray:
-    """(S,) lengths that scale the children of each segment.
+    """Lengths (S,) that scale the children of each segment.
 
-    Hands, feet and heads of captures end at different points (the wrist, the knuckles, the finger tips): theirs is that
-    of the limb, and that of the trunk.
+    Hands, feet and heads of captures end at different points (the wrist, the knuckles, the finger tips), so the length
+    of the limb or of the trunk is taken for them.
     """
     trunk = body.spine_length + body.neck
     arms = [[trunk, upper, lower, upper + lower] for upper, lower in body.arm.tolist()]
@@ -114,7 +114,7 @@ def _lengths(body: Morphology) -> FloatArray:
 
 
 def _segment_above(actor: SourceRig, joint: int) -> int:
-    """Segment of the nearest ancestor that has one, -1 if there is none."""
+    """Segment of the nearest ancestor joint that moves one; -1 if there is none."""
     segments = actor.segment_joints.tolist()
     while joint >= 0 and joint not in segments:
         joint = int(actor.skeleton.parents[joint])

@@ -1,7 +1,7 @@
-"""A body as an ordinary skeleton: joints, bones and poses for other programs.
+"""Skeleton of a character for other programs: joints, bones and poses.
 
-The zero pose is a T-pose (arms level, legs straight, soles flat, every joint's axes those of the world), the names are
-those of HumanIK and Mixamo, and bones have the character's own lengths, so that nothing is lost.
+The zero pose is a T-pose (arms level, legs straight, soles flat, the axes of every joint those of the world), the names
+are those of HumanIK and Mixamo, and bones have the character's own lengths, so that nothing is lost.
 """
 
 from dataclasses import dataclass
@@ -30,7 +30,9 @@ _DOWN = np.array([0.0, 0.0, -1.0])
 
 @dataclass(frozen=True)
 class _Joints:
-    """Joints of a character, depth first: canonical ``points``, the ``segments`` that they move (-1 for end sites)."""
+    """Joints of a character, depth first: their canonical ``points``, and the ``segments`` they move (-1 for end
+    sites).
+    """
 
     names: tuple[str, ...]
     parents: tuple[int, ...]
@@ -39,7 +41,7 @@ class _Joints:
 
 
 def character_skeleton(morphology: Morphology) -> Skeleton:
-    """Skeleton of a body; its zero pose is a T-pose facing +X with the soles on z = 0."""
+    """Skeleton of a body; its zero pose is a T-pose that faces +X with the soles on z = 0."""
     joints = _joints(morphology.layout)
     places = standing_points(morphology, t_pose_rotations(morphology))[list(joints.points)]
     offsets = places - places[np.maximum(joints.parents, 0)]
@@ -48,7 +50,7 @@ def character_skeleton(morphology: Morphology) -> Skeleton:
 
 
 def character_body_map(layout: BodyLayout) -> BodyMap:
-    """Body map of ``character_skeleton``: the joint of each body part."""
+    """Body map of a skeleton from ``character_skeleton``: the joint of each body part."""
     moving = {segment: joint for joint, segment in enumerate(_joints(layout).segments) if segment >= 0}
     inner = (BodyPart.ABDOMEN, BodyPart.THORAX)
     parts = {part: moving[layout.segment_of_part(part)] for part in BodyPart if part not in inner}
@@ -56,7 +58,7 @@ def character_body_map(layout: BodyLayout) -> BodyMap:
 
 
 def character_poses(adapted: AdaptedMotion) -> PoseSequence:
-    """Adapted motion as local rotations and translations of its body's ``character_skeleton``, exactly.
+    """Adapted motion as exact local rotations and translations of its body's ``character_skeleton``.
 
     The bones of a body whose measures change are animated by translations.
     """
@@ -90,17 +92,17 @@ def character_poses(adapted: AdaptedMotion) -> PoseSequence:
 
 
 def joint_points(layout: BodyLayout) -> tuple[int, ...]:
-    """Canonical point of each joint of ``character_skeleton``."""
+    """Canonical point of each joint of a skeleton from ``character_skeleton``."""
     return _joints(layout).points
 
 
 def joint_segments(layout: BodyLayout) -> tuple[int, ...]:
-    """Canonical segment that each joint of ``character_skeleton`` moves, -1 for the ends of bones."""
+    """Canonical segment that each joint of a skeleton from ``character_skeleton`` moves; -1 for the ends of bones."""
     return _joints(layout).segments
 
 
 def t_pose_rotations(morphology: Morphology) -> FloatArray:
-    """(S, 3, 3) world rotations of the canonical segments in the T-pose; neck and clavicles are as at ease."""
+    """World rotations (S, 3, 3) of the canonical segments in the T-pose; neck and clavicles are as at ease."""
     layout = morphology.layout
     rotations = np.tile(np.eye(3), (layout.segment_count, 1, 1))
     rotations[layout.neck_base] = frame_along(morphology.neck_rest, REST_FORWARD)

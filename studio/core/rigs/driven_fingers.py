@@ -1,4 +1,4 @@
-"""Fingers of a character's own rig, driven by captured ones or by a grip."""
+"""Fingers of a character's own rig, driven by captured fingers or by a grip."""
 
 from dataclasses import dataclass
 
@@ -10,14 +10,14 @@ from studio.core.body.humanoid import BodyMap
 from studio.core.body.morphology import Morphology
 from studio.core.body.skeleton import Skeleton
 from studio.core.mesh.hand_shapes import FINGER_BENDS, GRIPS
-from studio.core.mesh.rig import NO_SEGMENT, Rig, rig_body_map
+from studio.core.mesh.rig import UNMOVED_JOINT, Rig, rig_body_map
 from studio.core.mesh.skin import SkinnedMesh, bound_pose, segment_forms
 from studio.core.project_cache import project_cache
 from studio.core.rigs.character_skeleton import t_pose_rotations
 from studio.core.rigs.finger_rest import (
     FINGER_CELLS,
     HAND_PARTS,
-    INTO_PALM,
+    PALM_SIGNS,
     T_POSE_HANDS,
     FingerRest,
     bend,
@@ -49,43 +49,47 @@ _ACROSS_PALM = np.array([-1.0, 0.5, 0.0])
 
 @dataclass(frozen=True, eq=False)
 class FingerDrive:
-    """Fingers of a rig, which take any ``FingerPoses``."""
+    """Fingers of a rig, which can take any ``FingerPoses``."""
 
     rest: FingerRest
     gripping: FloatArray
-    """(4, 2, 5, 3, 4) rotation of each joint from a straight finger, relative to the joint before, in ``_GRIPS``."""
+    """Rotations (4, 2, 5, 3, 4) of each joint from a straight finger, relative to the previous joint, in ``_GRIPS``."""
 
     def rotations(self, poses: FingerPoses) -> dict[int, FloatArray]:
-        """(N, 3, 3) rotation from rest of each finger joint of the rig, in the space in which it is bound."""
+        """Rotations (N, 3, 3) from rest of each finger joint of the rig, by joint, in the space in which it
+        is bound.
+        """
         mixed = multiply(rotations_in_hand(self.relative(poses)), inverse(bend(self.rest.flexions)))
         axes = from_matrix(self.rest.axes)[:, None, None]
         turned = to_matrix(multiply(multiply(axes, mixed), inverse(axes)))
         return {joint: turned[(slice(None), *finger.cell)] for finger, joint in self.rest.joints.items()}
 
     def relative(self, poses: FingerPoses) -> FloatArray:
-        """(N, 2, 5, 3, 4) rotation of each joint from a straight finger, relative to the joint before."""
+        """Rotations (N, 2, 5, 3, 4) of each joint from a straight finger, relative to the previous joint."""
         frames = slice(None), None, None, None
         resting = np.broadcast_to(relative_rotations(bend(self.rest.flexions)), poses.rotations.shape)
         own = slerp(resting, poses.rotations, poses.captured[frames])
         return slerp(own, self._gripping(poses.grips), poses.asked[frames])
 
     def _gripping(self, grips: FloatArray) -> FloatArray:
-        """(N, 2, 5, 3, 4) rotations in ``grips`` (N,), interpolated between two of ``_GRIPS``."""
+        """Rotations (N, 2, 5, 3, 4) in ``grips`` (N,), interpolated between two of ``_GRIPS``."""
         below = np.clip(np.searchsorted(_GRIPS, grips, side="right") - 1, 0, len(_GRIPS) - 2)
         part = (grips - _GRIPS[below]) / (_GRIPS[below + 1] - _GRIPS[below])
         return slerp(self.gripping[below], self.gripping[below + 1], part[:, None, None, None])
 
 
 def finger_drive(rig: Skeleton, rig_map: BodyMap, mesh: SkinnedMesh, body: Morphology) -> FingerDrive | None:
-    """Drive of the fingers of ``rig``, the ``still_skeleton`` of a mesh fitted to ``body``; None if it has none."""
+    """Drive of the fingers of ``rig``, the ``still_skeleton`` of a mesh fitted to ``body``; None if it has
+    no fingers.
+    """
     unturned = np.tile(IDENTITY_QUATERNION, (rig.joint_count, 1))
     rest = finger_rest(rig, rig_map, unturned, _bound_hands(mesh, body) @ T_POSE_HANDS)
     return FingerDrive(rest, gripping_rotations(rest.directions)) if rest.joints else None
 
 
 def t_pose_rotations_of_fingers(poses: FingerPoses) -> FloatArray:
-    """(N, 2, 5, 3, 4) rotation of each finger joint from a T-pose with straight fingers, relative to the joint before,
-    in the axes of the world.
+    """Rotations (N, 2, 5, 3, 4) in world axes of each finger joint from a T-pose with straight fingers, relative to the
+    previous joint.
     """
     directions = np.zeros((*FINGER_CELLS, 3))
     directions[..., 2] = 1.0
@@ -96,37 +100,37 @@ def t_pose_rotations_of_fingers(poses: FingerPoses) -> FloatArray:
 
 
 def gripping_rotations(directions: FloatArray) -> FloatArray:
-    """``FingerDrive.gripping`` of hands whose bones have these ``directions`` (2, 5, 3, 3) at rest."""
+    """Rotations as ``FingerDrive.gripping`` of hands whose bones have the directions (2, 5, 3, 3) at rest."""
     angles = np.empty((len(_GRIPS), *FINGER_CELLS))
     angles[:] = np.diff(FINGER_BENDS, prepend=0.0)[:, None, None]
     gripping = bend(angles)
     for side in range(len(HAND_PARTS)):
-        across = normalized(np.cross(directions[side, 0, 0], _ACROSS_PALM * [1.0, INTO_PALM[side], 1.0]))
+        across = normalized(np.cross(directions[side, 0, 0], _ACROSS_PALM * [1.0, PALM_SIGNS[side], 1.0]))
         gripping[:, side, 0] = from_rotation_vector(np.diff(_THUMB_BENDS, prepend=0.0)[..., None] * across)
     return gripping
 
 
 def below_hands(skeleton: Skeleton, body: BodyMap) -> list[int]:
-    """Descendants of the hands, parents first."""
+    """Joints that are descendants of the hands, parents first."""
     hands = {body[part] for part in HAND_PARTS}
     return [joint for joint in range(skeleton.joint_count) if hands & set(skeleton.path(0, joint)[:-1])]
 
 
 def _bound_hands(mesh: SkinnedMesh, body: Morphology) -> FloatArray:
-    """(2, 3, 3) rotations of the hands from a T-pose to the pose in which ``mesh``, fitted to ``body``, is bound."""
+    """Rotations (2, 3, 3) of the hands from a T-pose to the bind pose of ``mesh``, fitted to ``body``."""
     wrists = [body.layout.hand_segment(side) for side in range(2)]
     return np.asarray(bound_pose(mesh, body)[1][wrists] @ np.swapaxes(t_pose_rotations(body)[wrists], 1, 2))
 
 
 def bound_joints(mesh: SkinnedMesh, build: Morphology, body: Morphology) -> tuple[FloatArray, FloatArray]:
-    """Positions (J, 3) and rotations (J, 3, 3) of the joints of a mesh, fitted from ``build`` to ``body``."""
+    """Positions (J, 3) and rotations (J, 3, 3) of the joints of a mesh of ``build``, fitted to ``body``."""
     rig = _rig_of(mesh)
     forms, shifts = segment_forms(mesh, build, body)
     of_joint = np.maximum(rig.segments, 0)
     positions = np.einsum("jab,jb->ja", forms[of_joint], rig.positions) + shifts[of_joint]
     left, _, right = np.linalg.svd(forms[of_joint])
     turns = left @ right
-    is_still = rig.segments == NO_SEGMENT
+    is_still = rig.segments == UNMOVED_JOINT
     positions[is_still] = rig.positions[is_still]
     turns[is_still] = np.eye(3)
     return positions, turns @ rig.rotations
@@ -148,9 +152,9 @@ class BoundHands:
     below: tuple[int, ...]
     """Joints below the hands, parents first."""
     positions: FloatArray
-    """(J, 3) of the joints as the fitted mesh is bound."""
+    """Positions (J, 3) of the joints in the bind pose of the fitted mesh."""
     rows: NDArray[np.int64]
-    """(N,) vertices that hang from a joint below a hand."""
+    """Indices (N,) of the vertices that are bound to a joint below a hand."""
 
     def shaped(self, fitted: SkinnedMesh, poses: FingerPoses) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Vertices and normals (V, 3) of ``fitted`` in its bind pose, with the fingers of one frame."""

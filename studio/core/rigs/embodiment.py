@@ -1,4 +1,4 @@
-"""Character from a standing skeleton and a mesh: measures, bind pose and weights on canonical segments."""
+"""Construction of a character from a standing skeleton and a mesh: measures, bind pose and weights of segments."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ from studio.core.body.standing import standing_points
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactPoint
 from studio.core.mesh.appearance import Appearance
-from studio.core.mesh.skin import INFLUENCES, SkinnedMesh
+from studio.core.mesh.skin import VERTEX_INFLUENCES, SkinnedMesh
 from studio.core.normalized.alignment import find_alignments
 from studio.core.normalized.landmarks import find_landmarks
 from studio.core.normalized.measure import measure_actor
@@ -30,8 +30,9 @@ _LEAST_BALL, _USUAL_BALL, _BENDS_OVER = 0.5, 0.72, 0.2
 
 
 def measured_body(skeleton: Skeleton, body_map: BodyMap) -> tuple[Morphology, FloatArray]:
-    """Measures of a body that stands on z = 0 with all its joints at ``skeleton``'s zero pose, facing +X, and its bind
-    pose: the rotations (S, 3, 3) of the canonical segments as it stands.
+    """Measures of a body in its zero pose, and its bind pose: the rotations (S, 3, 3) of the canonical segments.
+
+    The zero pose of ``skeleton`` stands on z = 0 and faces +X.
     """
     still = np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))
     poses = rest_poses(skeleton, still)
@@ -43,7 +44,7 @@ def measured_body(skeleton: Skeleton, body_map: BodyMap) -> tuple[Morphology, Fl
 
 
 def segments_of_joints(skeleton: Skeleton, body_map: BodyMap) -> IntArray:
-    """(J,) canonical segment that each joint moves: its own, or that of its nearest ancestor with one."""
+    """Canonical segment (J,) that each joint moves: its own, or that of its nearest ancestor with one."""
     layout = BodyLayout(len(body_map.spine))
     own = {joint: place for place, joint in enumerate(body_map.spine)}
     own |= {joint: layout.segment_of_part(part) for part, joint in body_map.parts.items() if joint not in own}
@@ -54,7 +55,10 @@ def segments_of_joints(skeleton: Skeleton, body_map: BodyMap) -> IntArray:
 
 
 def segment_weights(joints: IntArray, weights: FloatArray, segments: IntArray, count: int) -> FloatArray:
-    """(V, count) weight of each segment in each vertex, from joints (V, n) and their weights (V, n)."""
+    """Weights (V, count) of the segments in each vertex, from ``joints`` (V, n) and their ``weights`` (V, n).
+
+    ``segments`` (J,) is the segment of each joint.
+    """
     total = np.zeros((len(joints), count))
     rows = np.arange(len(joints))
     for column in range(joints.shape[1]):
@@ -63,8 +67,8 @@ def segment_weights(joints: IntArray, weights: FloatArray, segments: IntArray, c
 
 
 def strongest_influences(weights: FloatArray) -> tuple[IntArray, FloatArray]:
-    """(V, 4) segments and weights of the strongest influences, heaviest first, summing to 1."""
-    segments = np.argsort(-weights, axis=1, kind="stable")[:, :INFLUENCES]
+    """Segments (V, 4) and weights (V, 4) of the strongest influences, strongest first, with sum 1."""
+    segments = np.argsort(-weights, axis=1, kind="stable")[:, :VERTEX_INFLUENCES]
     chosen = np.take_along_axis(weights, segments, axis=1).astype(np.float64)
     chosen[chosen < _LEAST_WEIGHT * chosen[:, :1]] = 0.0
     return segments, chosen / chosen.sum(axis=1, keepdims=True)
@@ -80,8 +84,9 @@ def bound_mesh(
     weights: FloatArray,
     appearance: Appearance | None,
 ) -> SkinnedMesh:
-    """Mesh (V, 3) bound to a body in its bind pose ``stance``; ``root`` (3,) is the position of the body's root among
-    the vertices.
+    """Mesh with ``vertices`` (V, 3) bound to a body in its bind pose ``stance``.
+
+    ``root`` (3,) is the position of the body's root in the space of the vertices.
     """
     shift = standing_points(body, stance)[0] - root
     segments, chosen = strongest_influences(weights)
@@ -101,9 +106,10 @@ def bound_mesh(
 def measured_by_mesh(
     body: Morphology, stance: FloatArray, points: FloatArray, vertices: FloatArray, weights: FloatArray
 ) -> Morphology:
-    """Body with the crown, finger tips, toe tips, heels and soles of its mesh (V, 3).
+    """Body with the crown, finger tips, toe tips, heels and soles of its mesh, whose ``vertices`` are (V, 3).
 
-    ``points`` (P, 3) are the canonical points among the vertices; ``weights`` (V, S) assign the vertices.
+    ``points`` (P, 3) are the canonical points in the space of the vertices; ``weights`` (V, S) assign the vertices to
+    segments.
     """
     layout = body.layout
     head = vertices[weights[:, layout.segment_of_part(BodyPart.HEAD)] > 0.5]
@@ -134,7 +140,7 @@ def measured_by_mesh(
 def rolling_on_balls(
     body: Morphology, stance: FloatArray, points: FloatArray, vertices: FloatArray, weights: FloatArray
 ) -> tuple[Morphology, FloatArray]:
-    """Body of ``measured_by_mesh``, and weights (V, S) with which a foot bends at its ball.
+    """Body of ``measured_by_mesh``, and weights (V, S) with which each foot bends at its ball.
 
     A toe joint under the ankle moves the whole front of a foot, so that the foot could not rise on its toes. Such a
     foot is bent at the usual fraction of its length.

@@ -1,8 +1,8 @@
-"""Rest of the fingers of a skeleton: its finger joints, the axes of its hands, and the bend of its fingers.
+"""Rest pose of the fingers of a skeleton: its finger joints, the axes of its hands, and the bend of its fingers.
 
 The axes of a hand lie at its knuckles: x from the little finger to the index finger, z towards the fingers, y out of
-the left palm and out of the back of the right hand. All skeletons share them; a mirror image exchanges the hands and
-reverses y.
+the left palm and out of the back of the right hand. All skeletons share these axes; a mirror image exchanges the hands
+and reverses y.
 """
 
 from collections.abc import Sequence
@@ -25,30 +25,31 @@ DIGITS = tuple(Digit)
 FINGER_CELLS = (len(HAND_PARTS), len(DIGITS), JOINTS_PER_FINGER)
 """Shape of an array with an element for each finger joint: side, digit, place."""
 T_POSE_HANDS = np.array([frame_along(np.array([0.0, sign, 0.0]), REST_FORWARD) for sign in (1.0, -1.0)])
-"""(2, 3, 3) axes of the hands in a T-pose."""
-INTO_PALM = np.array([1.0, -1.0])
-"""Sign of y out of each palm."""
+"""Axes (2, 3, 3) of the hands in a T-pose."""
+PALM_SIGNS = np.array([1.0, -1.0])
+"""Sign of the y axis that points out of the palm of each hand."""
 
 
 @dataclass(frozen=True, eq=False)
 class FingerRest:
-    """Fingers of a skeleton at rest."""
+    """Finger joints of a skeleton, and the directions of their bones in its rest pose."""
 
     joints: dict[FingerJoint, int]
     hands: tuple[int, int]
     axes: FloatArray
-    """(2, 3, 3) axes of the hands in the world."""
+    """Axes (2, 3, 3) of the hands in the world."""
     flexions: FloatArray
-    """(2, 5, 3) radians from the direction of the hand to that of each finger's bone, towards the palm; 0 for thumbs,
-    which point aside."""
+    """Angles (2, 5, 3) in radians from the direction of the hand to each finger's bone, towards the palm; 0 for thumbs,
+    which point aside.
+    """
     directions: FloatArray
-    """(2, 5, 3, 3) directions of the bones in the axes of the hand."""
+    """Directions (2, 5, 3, 3) of the bones in the axes of the hand."""
 
 
 def finger_rest(skeleton: Skeleton, body: BodyMap, local_rotations: FloatArray, t_pose_hands: FloatArray) -> FingerRest:
     """Rest of the fingers of ``skeleton`` in the pose ``local_rotations`` (J, 4).
 
-    ``t_pose_hands`` (2, 3, 3) are the axes of hands that have no row of knuckles, in the world.
+    ``t_pose_hands`` (2, 3, 3) are the world axes of hands without a row of knuckles.
     """
     joints, hands = find_fingers(skeleton, body), (body[HAND_PARTS[0]], body[HAND_PARTS[1]])
     places = joint_world(skeleton, rest_poses(skeleton, local_rotations))[0][0]
@@ -64,12 +65,12 @@ def finger_rest(skeleton: Skeleton, body: BodyMap, local_rotations: FloatArray, 
                 bones = _bones(skeleton, hand, chain, places) @ axes[side]
                 directions[side, place] = bones / np.linalg.norm(bones, axis=1, keepdims=True)
     bent = directions[:, 1:]
-    flexions[:, 1:] = np.arctan2(INTO_PALM[:, None, None] * bent[..., 1], bent[..., 2])
+    flexions[:, 1:] = np.arctan2(PALM_SIGNS[:, None, None] * bent[..., 1], bent[..., 2])
     return FingerRest(joints, hands, axes, flexions, directions)
 
 
 def _bones(skeleton: Skeleton, hand: int, chain: Sequence[int], places: FloatArray) -> FloatArray:
-    """(3, 3) from each joint of a finger to the next one; a joint without a next one has the bone before it."""
+    """Vectors (3, 3) from each joint of a finger to the next; the last joint has the vector before it."""
     ends = [*chain[1:], *skeleton.children[chain[-1]][:1]]
     bones = [places[end] - places[joint] for joint, end in zip(chain, ends, strict=False)]
     last = bones[-1] if bones else places[chain[0]] - places[hand]
@@ -77,23 +78,25 @@ def _bones(skeleton: Skeleton, hand: int, chain: Sequence[int], places: FloatArr
 
 
 def bend(angles: FloatArray) -> FloatArray:
-    """(..., 2, n, 3, 4) rotations about x that bend fingers by ``angles`` (..., 2, n, 3) radians into the palm."""
+    """Rotations (..., 2, n, 3, 4) about x that bend fingers by ``angles`` (..., 2, n, 3) radians into the palm."""
     halves = angles / 2.0
     rotations = np.zeros((*angles.shape, 4))
-    rotations[..., 0] = -INTO_PALM[:, None, None] * np.sin(halves)
+    rotations[..., 0] = -PALM_SIGNS[:, None, None] * np.sin(halves)
     rotations[..., 3] = np.cos(halves)
     return rotations
 
 
 def relative_rotations(rotations: FloatArray) -> FloatArray:
-    """Rotations (..., 3, 4) of the joints of fingers relative to the joint before, from those relative to the hand."""
+    """Rotations (..., 3, 4) of finger joints relative to the previous joint, from ``rotations`` relative to
+    the hand.
+    """
     return np.concatenate(
         [rotations[..., :1, :], multiply(inverse(rotations[..., :-1, :]), rotations[..., 1:, :])], axis=-2
     )
 
 
 def rotations_in_hand(relative: FloatArray) -> FloatArray:
-    """Rotations (..., 3, 4) relative to the hand, from those relative to the joint before."""
+    """Rotations (..., 3, 4) of finger joints relative to the hand, from ``relative`` ones to the previous joint."""
     rotations = [relative[..., 0, :]]
     for place in range(1, JOINTS_PER_FINGER):
         rotations.append(multiply(rotations[-1], relative[..., place, :]))

@@ -1,4 +1,4 @@
-"""Skin bound to the joints of an ordinary skeleton, as formats for other programs need it."""
+"""Skin bound to the joints of an ordinary skeleton, as file formats of other programs need it."""
 
 from dataclasses import dataclass, replace
 
@@ -10,7 +10,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.mesh.appearance import Appearance
 from studio.core.mesh.character import Character
-from studio.core.mesh.skin import INFLUENCES, bound_pose, fit_skin
+from studio.core.mesh.skin import VERTEX_INFLUENCES, bound_pose, fit_skin
 from studio.core.rigs.character_skeleton import joint_points, joint_segments, t_pose_rotations
 from studio.core.rotations import IDENTITY_QUATERNION, frame_along
 
@@ -24,11 +24,11 @@ _UP = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True, eq=False)
 class JointSkin:
-    """Mesh in the world space (metres, Z up) of its bind pose.
+    """Mesh bound to joints, in the world space (metres, Z up) of its bind pose.
 
-    ``vertices`` and unit ``normals`` (V, 3), ``triangles`` (T, 3) counter-clockwise from outside, ``joints`` and
-    ``weights`` (V, 4), 0 where there is no influence; ``bind_positions`` (J, 3) and ``bind_rotations`` (J, 3, 3) of the
-    joints in that world.
+    ``vertices`` and unit ``normals`` are (V, 3), ``triangles`` (T, 3) counter-clockwise from outside, ``joints`` and
+    ``weights`` (V, 4), 0 where there is no influence. ``bind_positions`` (J, 3) and ``bind_rotations`` (J, 3, 3) are
+    those of the joints.
     """
 
     vertices: FloatArray
@@ -40,18 +40,18 @@ class JointSkin:
     bind_rotations: FloatArray
     appearance: Appearance | None = None
     bind_scales: FloatArray | None = None
-    """(J,) units of the file in a unit of each joint's own axes, None where all have the file's."""
+    """File units (J,) per unit of each joint's own axes; None if all joints have the file's unit."""
     bones: NDArray[np.bool_] | None = None
-    """(J,) False for a node that only carries bones, None where all are bones."""
+    """Mask (J,) of bones, False for a node that only carries bones; None if all are bones."""
 
     def local_scales(self, parents: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
-        """(J,) scale of each joint in its parent, and of the axes in which its position counts."""
+        """Scales (J,) of each joint in its parent, and scales (J,) of the axes in which its position is given."""
         world = np.ones(len(parents)) if self.bind_scales is None else self.bind_scales
         above = np.where(parents < 0, 1.0, world[parents])
         return world / above, above
 
     def carrier(self) -> int | None:
-        """Lowest node that only carries bones, None without one."""
+        """Index of the deepest node that only carries bones; None if there is none."""
         carriers = [] if self.bones is None else np.flatnonzero(~self.bones).tolist()
         return carriers[-1] if carriers else None
 
@@ -67,14 +67,14 @@ class JointSkin:
         )
 
     def counted_from(self, rotations: FloatArray) -> "JointSkin":
-        """Copy for joints whose axes are the world's when they have the world ``rotations`` (J, 3, 3)."""
+        """Copy for joints whose axes are redefined as the world's at the world ``rotations`` (J, 3, 3)."""
         return replace(self, bind_rotations=self.bind_rotations @ np.swapaxes(rotations, 1, 2))
 
 
 def character_skin(character: Character, skeleton: Skeleton | None = None) -> JointSkin:
     """Character's own skin on the joints of its ``character_skeleton``.
 
-    Further joints of ``skeleton`` are bound at rest, without influence. Plain linear blending of it equals the studio's
+    Further joints of ``skeleton`` are bound at rest, without influence. Its plain linear blending equals the studio's
     skinning except within the creases of elbows and knees.
     """
     body = character.morphology
@@ -106,7 +106,9 @@ def character_skin(character: Character, skeleton: Skeleton | None = None) -> Jo
 def _with_those_behind(
     positions: FloatArray, rotations: FloatArray, skeleton: Skeleton
 ) -> tuple[FloatArray, FloatArray]:
-    """Places (J, 3) and turns (J, 3, 3) of the first joints of ``skeleton``, and of all behind them at rest."""
+    """Positions (J, 3) and rotations (J, 3, 3) of the first joints of ``skeleton``, followed by those of the others at
+    rest.
+    """
     places, turns = list(positions), list(rotations)
     for joint in range(len(positions), skeleton.joint_count):
         parent = int(skeleton.parents[joint])
@@ -116,7 +118,7 @@ def _with_those_behind(
 
 
 def bone_skin(skeleton: Skeleton) -> JointSkin:
-    """Figure of bones, one solid from each joint to each of its children, for a skeleton that has no skin."""
+    """Skin of octahedral bones, one from each joint to each of its children, for a skeleton without a skin."""
     rest = PoseSequence(np.tile(IDENTITY_QUATERNION, (1, skeleton.joint_count, 1)), skeleton.offsets[None])
     positions, rotations = (array[0] for array in joint_world(skeleton, rest))
     bones = [
@@ -128,9 +130,9 @@ def bone_skin(skeleton: Skeleton) -> JointSkin:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     count = 3 * len(corners)
-    joints = np.zeros((count, INFLUENCES), dtype=np.int32)
+    joints = np.zeros((count, VERTEX_INFLUENCES), dtype=np.int32)
     joints[:, 0] = np.repeat([joint for joint, _ in bones], 3 * 8)
-    weights = np.zeros((count, INFLUENCES))
+    weights = np.zeros((count, VERTEX_INFLUENCES))
     weights[:, 0] = 1.0
     triangles = np.arange(count, dtype=np.int32).reshape(-1, 3)
     return JointSkin(
@@ -139,7 +141,9 @@ def bone_skin(skeleton: Skeleton) -> JointSkin:
 
 
 def _bone(start: FloatArray, end: FloatArray) -> FloatArray:
-    """(8, 3, 3) corners of the triangles of an octahedron, thickest at a sixth of its length."""
+    """Corners (8, 3, 3) of the triangles of an octahedron from ``start`` to ``end``, thickest at a sixth of
+    its length.
+    """
     length = float(np.linalg.norm(end - start))
     frame = frame_along(end - start, _UP)
     ring = (

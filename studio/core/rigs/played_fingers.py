@@ -1,4 +1,4 @@
-"""Fingers of both hands over time, as captures have them and as the clips of a row ask, for any skeleton."""
+"""Finger poses of both hands over time, from captures and from the grips of the clips of a row, for any skeleton."""
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -29,7 +29,7 @@ from studio.core.rigs.finger_rest import (
 )
 from studio.core.rotations import IDENTITY_QUATERNION, from_matrix, inverse, multiply, slerp
 from studio.core.stage.clip import Clip
-from studio.core.stage.holding import CLOSING, grips_on_props
+from studio.core.stage.holding import GRIP_CHANGE_SECONDS, grips_on_props
 from studio.core.stage.project import Performer, Project
 
 FloatArray = NDArray[np.float64]
@@ -39,7 +39,7 @@ _MIRRORED = np.array([-1.0, 1.0, -1.0, 1.0])
 
 
 def fingers_of_capture(capture: Capture, first: int, count: int) -> FingerPoses:
-    """Fingers in ``count`` frames of a capture from ``first`` on, as captured."""
+    """Captured finger poses in ``count`` frames from ``first`` on."""
     frames, nothing = np.arange(first, first + count, dtype=np.float64), np.zeros(count)
     return FingerPoses(captured_rotations(capture, frames), nothing + has_fingers(capture), nothing, nothing)
 
@@ -47,7 +47,7 @@ def fingers_of_capture(capture: Capture, first: int, count: int) -> FingerPoses:
 def fingers_of_performer(
     project: Project, performer_id: str, composite: Composite, frames: NDArray[np.int64]
 ) -> FingerPoses | None:
-    """Fingers in ``frames`` (N,) of the row of a performer; None if one of its motions has been removed."""
+    """Finger poses in ``frames`` (N,) of the row of a performer; None if one of its motions has been removed."""
     performer, timing = project.performers[performer_id], composite.timing
     if project.missing_references(performer):
         return None
@@ -56,7 +56,7 @@ def fingers_of_performer(
 
 
 def captures_of_clips(project: Project, performer: Performer) -> tuple[Capture, ...]:
-    """Capture of each clip of a performer."""
+    """Captures of the clips of a performer, in the order of the clips."""
     return tuple(project.captures[project.motions[clip.motion_id].capture_id] for clip in performer.clips)
 
 
@@ -67,10 +67,10 @@ def fingers_of_row(
     frames: NDArray[np.int64],
     held: tuple[FloatArray, FloatArray],
 ) -> FingerPoses:
-    """Fingers in ``frames`` (N,) of a row of ``clips`` of these ``captures``.
+    """Finger poses in ``frames`` (N,) of a row of ``clips`` of these ``captures``.
 
-    Each clip has the grip that it asks for, else that of a held prop (its weights and grips (N,) are ``held``), else
-    the fingers of its capture. From one clip to the next they change within ``CLOSING`` seconds.
+    The hands have the grip of the clip, else that of a held prop (its weights and grips (N,) are ``held``), else the
+    fingers of the clip's capture. From one clip to the next they change within ``GRIP_CHANGE_SECONDS``.
     """
     rotations = np.tile(IDENTITY_QUATERNION, (len(frames), *FINGER_CELLS, 1))
     captured, own, asked, grips = (np.zeros(len(frames)) for _ in range(4))
@@ -102,8 +102,8 @@ def fingers_of_row(
 
 
 def weighted_pieces(composite: Composite, frames: NDArray[np.int64]) -> Iterator[tuple[PlayedPiece, FloatArray]]:
-    """Pieces that shape the hands, each with its weights (N,) in ``frames`` (N,) of the row, whose sum is 1."""
-    closing = CLOSING * composite.timing.frame_rate
+    """Pieces that shape the hands, each with its weights (N,) in ``frames`` (N,) of the row; the weights sum to 1."""
+    closing = GRIP_CHANGE_SECONDS * composite.timing.frame_rate
     begins = np.array([each.first for each in composite.played], dtype=np.float64)
     if composite.played[0].piece.origin[0] < 0:  # a clip that takes over without warning was not seen coming
         begins[1] += closing / 2.0
@@ -120,14 +120,14 @@ def _ratio(part: FloatArray, whole: FloatArray) -> FloatArray:
 
 
 def has_fingers(capture: Capture) -> bool:
-    """True if fingers were captured."""
+    """True if the capture has finger joints."""
     return _captured(_Recorded(capture)) is not None
 
 
 def captured_rotations(capture: Capture, frames: FloatArray, *, mirrored: bool = False) -> FloatArray:
-    """(N, 2, 5, 3, 4) ``FingerPoses.rotations`` at ``frames`` (N,) of a capture, clamped at its ends.
+    """Rotations (N, 2, 5, 3, 4), as in ``FingerPoses.rotations``, at ``frames`` (N,) of a capture, clamped at its ends.
 
-    A joint that it lacks rotates with the joint before it, a finger that it lacks with the finger beside it.
+    A missing joint rotates with the previous joint, a missing finger with its neighbour.
     """
     source = _captured(_Recorded(capture))
     if source is None:
@@ -143,8 +143,8 @@ def captured_rotations(capture: Capture, frames: FloatArray, *, mirrored: bool =
 
 
 def on_captured_joints(capture: Capture, poses: FingerPoses, others: PoseSequence | None = None) -> PoseSequence:
-    """Poses of the skeleton of a capture that has fingers: these fingers, and the rest of it as in ``others``, or else
-    in its reference pose.
+    """Poses of the skeleton of a capture with these fingers; the other joints are as in ``others``, or in the reference
+    pose.
     """
     source, skeleton = _captured(_Recorded(capture)), capture.skeleton
     if source is None:
@@ -166,14 +166,16 @@ def on_captured_joints(capture: Capture, poses: FingerPoses, others: PoseSequenc
 
 @dataclass(frozen=True, eq=False)
 class _CapturedFingers:
-    """Finger joints of a capture; with L their rotation in the joint of the hand, ``before`` L ``after`` is that in the
-    axes of the hand, from a straight finger.
+    """Finger joints of a capture, and constant rotations from its joint axes to the axes of the hand.
+
+    With L the rotation of a finger joint relative to the joint of the hand, ``before`` L ``after`` is that in the axes
+    of the hand, from a straight finger.
     """
 
     joints: NDArray[np.int64]
-    """(K,) joints from the hands to the last finger joints."""
+    """Joints (K,) from the hands to the last finger joints."""
     chains: NDArray[np.int64]
-    """(D, 2, 5, 3) the indices in ``joints`` from the palm to each finger joint; K behind its last one."""
+    """Indices (D, 2, 5, 3) in ``joints`` from the palm to each finger joint; K after the last one."""
     before: FloatArray
     """(2, 1, 1, 4)"""
     after: FloatArray
@@ -183,7 +185,7 @@ class _CapturedFingers:
 
 @dataclass(frozen=True, eq=False)
 class _Recorded:
-    """Capture as a key of caches, equal to itself alone."""
+    """Cache key of a capture, equal only to that of the same object."""
 
     capture: Capture
 
@@ -225,8 +227,8 @@ def _captured(recorded: _Recorded) -> _CapturedFingers | None:
 
 
 def _nearest(finger: tuple[int, ...], known: Collection[FingerJoint]) -> FingerJoint | None:
-    """Joint of the same finger of which ``finger``, (side, digit, place), is the index, else one of the finger beside
-    it.
+    """Finger joint whose chain contains the index ``finger``, (side, digit, joint), else one of the neighbouring
+    finger.
     """
     side, digit, place = finger
     is_thumb = digit == 0
@@ -236,7 +238,7 @@ def _nearest(finger: tuple[int, ...], known: Collection[FingerJoint]) -> FingerJ
 
 
 def _along_chains(local: FloatArray, chains: NDArray[np.int64]) -> FloatArray:
-    """(N, 2, 5, 3, 4) products of the rotations ``local`` (N, K, 4) along ``chains`` (D, 2, 5, 3)."""
+    """Products (N, 2, 5, 3, 4) of the rotations ``local`` (N, K, 4) along ``chains`` (D, 2, 5, 3)."""
     padded = np.concatenate([local, np.tile(IDENTITY_QUATERNION, (len(local), 1, 1))], axis=1)
     product = padded[:, chains[0]]
     for joints in chains[1:]:

@@ -1,4 +1,4 @@
-"""Root motion: travel of a body stored in its hips, in a root joint on the floor, or removed."""
+"""Root motion: the travel of a body is stored in its hips or in a root joint on the floor, or removed."""
 
 from dataclasses import replace
 
@@ -15,20 +15,20 @@ from studio.core.rotations import IDENTITY_QUATERNION, from_matrix, inverse, mul
 
 FloatArray = NDArray[np.float64]
 
-ROOT_JOINT = "root"
-"""The name of the joint that is added."""
+ROOT_JOINT_NAME = "root"
+"""Name of the added root joint."""
 
 
 def with_root_joint(capture: Capture, root: int = 0) -> Capture:
     """Copy whose root joint is on the floor below the hips and has their heading.
 
-    It is ``root`` if that is above the hips, or a new joint above all others that is at the origin at rest. Without a
-    body map it keeps its heading.
+    The joint ``root`` is used if it is above the hips; otherwise a new joint is added above all others, at the origin
+    at rest. A capture without a body map keeps its heading.
     """
     skeleton, poses = capture.skeleton, capture.poses
     if capture.body_map and capture.body_map.spine[0] != root:
         return _with_moving_root(capture, root)
-    name = ROOT_JOINT
+    name = ROOT_JOINT_NAME
     while name in skeleton.names:
         name += "_"
     travel, turns = _travel(capture), _headings(capture)
@@ -53,7 +53,7 @@ def with_root_joint(capture: Capture, root: int = 0) -> Capture:
 
 
 def _with_moving_root(capture: Capture, root: int) -> Capture:
-    """Copy whose own ``root`` moves with the hips, while all other joints keep their world positions."""
+    """Copy whose own joint ``root`` moves with the hips, while all other joints keep their world positions."""
     rotations, translations = np.array(capture.poses.local_rotations), np.array(capture.poses.local_translations)
     away, above = _carrier(capture, root)
     moved, turned = (each[:, root].copy() for each in (translations, rotations))
@@ -69,8 +69,8 @@ def _with_moving_root(capture: Capture, root: int) -> Capture:
     return replace(capture, poses=PoseSequence(rotations, translations))
 
 
-def in_place(capture: Capture) -> Capture:
-    """Copy of the motion whose hips stay above the point where they begin; joints above the hips rest."""
+def capture_in_place(capture: Capture) -> Capture:
+    """Copy whose hips stay above their first position; joints above the hips rest."""
     translations = np.array(capture.poses.local_translations)
     travel, hips = _travel(capture), capture.body_map.spine[0] if capture.body_map else 0
     translations[:, hips] -= rotate(inverse(_carrier(capture, hips)[1]), travel - travel[0])
@@ -78,7 +78,7 @@ def in_place(capture: Capture) -> Capture:
 
 
 def _carrier(capture: Capture, joint: int) -> tuple[FloatArray, FloatArray]:
-    """World positions (F, 3) and rotations (F, 4) of the parent of ``joint``; the world's own without one."""
+    """World positions (F, 3) and rotations (F, 4) of the parent of ``joint``; the world's axes if it has none."""
     chain = list(capture.skeleton.path(0, joint)[:-1])
     places, turns = np.zeros((capture.frame_count, 3)), np.tile(IDENTITY_QUATERNION, (capture.frame_count, 1))
     for each in chain:
@@ -88,7 +88,7 @@ def _carrier(capture: Capture, joint: int) -> tuple[FloatArray, FloatArray]:
 
 
 def _travel(capture: Capture) -> FloatArray:
-    """(F, 3) floor position below the hips, or below the root if there are no hips; metres."""
+    """Positions (F, 3) in metres on the floor below the hips, or below the root if there are no hips."""
     joint = capture.body_map.spine[0] if capture.body_map else 0
     away, above = _carrier(capture, joint)
     travel = away + rotate(above, capture.poses.local_translations[:, joint])
@@ -97,7 +97,7 @@ def _travel(capture: Capture) -> FloatArray:
 
 
 def _headings(capture: Capture) -> FloatArray:
-    """(F, 4) smoothed rotations about Z of the pelvis from its reference pose."""
+    """Smoothed rotations (F, 4) about Z of the pelvis from its reference pose."""
     turns = np.zeros((capture.frame_count, 4))
     if capture.body_map is None:
         turns[:, 3] = 1.0
@@ -114,7 +114,7 @@ def _headings(capture: Capture) -> FloatArray:
 
 
 def _shifted(body: BodyMap | None) -> BodyMap | None:
-    """``body`` with all joint indices one higher, for a skeleton with a new first joint."""
+    """Body map with all joint indices raised by one, for a skeleton with a new first joint."""
     if body is None:
         return None
     return BodyMap({part: joint + 1 for part, joint in body.parts.items()}, tuple(joint + 1 for joint in body.spine))

@@ -1,4 +1,4 @@
-"""Change of zero pose of a motion: the pose of its joints if every angle in a file is 0."""
+"""Change of the zero pose of a motion: the pose of its joints if every angle in a file is 0."""
 
 from dataclasses import replace
 
@@ -15,10 +15,10 @@ FloatArray = NDArray[np.float64]
 
 
 def with_zero_pose(capture: Capture, rotations: FloatArray) -> Capture:
-    """Copy for joints whose axes are the world's when the body has the world ``rotations`` (J, 3, 3).
+    """Copy for joints whose axes are redefined as the world's at the world ``rotations`` (J, 3, 3) of the body.
 
-    World rotations become W' = W R^T, so local ones R_p L R^T and translations R_p t, p the parent. The ends of bones
-    are rotated with their bone.
+    World rotations become W' = W R^T, so local ones become R_p L R^T and translations R_p t, with p the parent. The
+    ends of bones are rotated with their bone.
     """
     skeleton = capture.skeleton
     turns = from_matrix(rotations)
@@ -43,7 +43,7 @@ def with_zero_pose(capture: Capture, rotations: FloatArray) -> Capture:
 
 
 def t_pose(capture: Capture) -> FloatArray:
-    """(J, 3, 3) world rotations of a human capture's joints with its body in a T-pose facing +X.
+    """World rotations (J, 3, 3) of a human capture's joints with its body in a T-pose facing +X.
 
     Joints that belong to no body part are rotated with their parent.
     """

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.body.morphology import AnimatedMorphology, at_frames
-from studio.core.curves.activation import EASE_PEAK, FULLY_ACTIVE
+from studio.core.curves.activation import LEAST_FULL_ACTIVATION, QUINTIC_PEAK_SLOPE
 from studio.core.kernels import layout as at
 from studio.core.kernels.limbs.legs import required_root_lowering
 from studio.core.kernels.solve_clip import place_frames
@@ -106,7 +106,7 @@ def with_corrections_above(adapted: AdaptedMotion, standing: GroundedMotion, req
         return moved
     targets = targets_of(standing, request.constraints, window, request.tracks)
     measured = full_residuals(request.constraints, targets, moved)
-    full = np.array([each.activation.at(times) >= FULLY_ACTIVE for each in request.constraints])
+    full = np.array([each.activation.at(times) >= LEAST_FULL_ACTIVATION for each in request.constraints])
     acting = np.any([each.fractions(times) > 0.0 for each in above], axis=0)
     measurable = full & acting & np.isfinite(adapted.residuals)
     return replace(moved, residuals=np.where(measurable, measured, adapted.residuals))
@@ -223,7 +223,7 @@ def _foot_release(planted: NDArray[np.bool_], window: slice, moved_by: FloatArra
     free, distances = np.zeros(len(planted)), np.zeros(len(planted))
     distances[window] = np.linalg.norm(moved_by, axis=1)
     for first, end in runs_of(~planted):
-        needed = EASE_PEAK * float(distances[first:end].max()) / FREED_FOOT_SPEED
+        needed = QUINTIC_PEAK_SLOPE * float(distances[first:end].max()) / FREED_FOOT_SPEED
         is_swing = first > 0 and end < len(planted)
         seconds = max(LET_GO, min(needed, (end - first) / (2.0 * frame_rate) if is_swing else needed))
         weight = release_weight(planted, frame_rate, seconds)[first:end]

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnimatedMorphology, AnyMorphology, Morphology
 from studio.core.captures.contacts import ContactInterval
-from studio.core.compact_array import CompactArray, PoseArray, part_of, single
+from studio.core.compact_array import CompactArray, PoseArray, compact_array, part_of
 from studio.core.constraints.base import Constraint
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.volume import BodyVolume
@@ -108,6 +108,6 @@ class AdaptedMotion:
             residuals=self.residuals[:, rows],
         )
 
-    def kept(self, store: Callable[[PoseArray], CompactArray] = single) -> "AdaptedMotion":
+    def kept(self, store: Callable[[PoseArray], CompactArray] = compact_array) -> "AdaptedMotion":
         """Copy with poses in half the memory, see ``core.compact_array``; ``store`` chooses where."""
         return replace(self, positions=store(self.positions), rotations=store(self.rotations))

@@ -1,37 +1,38 @@
 """Behaviour: a state machine that chooses the clips of a performer while the stage runs live.
 
-States play clips; a transition leads from one to another when all of its conditions hold. One behaviour may be played
-by many performers, each against a partner of its own. ``advanced_progress`` runs it. It is small, and a pure function
-of values that the project stores, so no library of state machines is used: those keep the current state in objects of
-their own.
+States play clips. A transition leads from one state to another when all of its conditions hold. Several performers may
+play one behaviour, each against a partner of its own. ``advanced_progress`` runs the state machine as a pure function
+of values that the project stores. State-machine libraries keep the current state in objects of their own, so none is
+used.
 """
 
 import math
 from dataclasses import dataclass, replace
 
 from studio.core.plausible import PLACE_RANGE
+from studio.core.stage.behaviour_target import BehaviourTarget, DistanceMeasure, reference_of
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import Condition, ConditionInput, DistanceCondition
-from studio.core.stage.manners import Manner
-from studio.core.stage.whom import BehaviourTarget, DistanceMeasure, reference_of
+from studio.core.stage.reactions import Reaction
 
-LONGEST_BLEND = 5.0
+LONGEST_BLEND_SECONDS = 5.0
 """Longest blend from one state to another, in seconds."""
 
 
 @dataclass(frozen=True)
 class State:
-    """Plays ``clip``, whose start on the stage is ignored; without one it holds the present pose.
+    """State of a behaviour: plays ``clip`` (its start on the stage is ignored) or, without a clip, holds the present
+    pose.
 
-    ``loop`` plays the clip again and again until a transition leads away, else its last frame is held. ``event`` is
-    sent to the partner when the state begins. Constraints and contacts of the clip's id apply in this state, and those
-    of ``manners`` in addition. ``place`` is its position in the diagram.
+    ``loop`` repeats the clip until a transition leads away; otherwise its last frame is held. ``event`` is sent to the
+    partner when the state begins. In this state the constraints and contacts of the clip's id apply, and the reactions
+    ``manners`` in addition. ``place`` is the state's position in the diagram.
     """
 
     name: str
     clip: Clip | None = None
     loop: bool = True
-    manners: tuple[Manner, ...] = ()
+    manners: tuple[Reaction, ...] = ()
     event: str = ""
     place: tuple[float, float] = (0.0, 0.0)
 
@@ -47,9 +48,9 @@ class State:
 
 @dataclass(frozen=True)
 class Transition:
-    """From the state named ``source`` to the one named ``target`` when all ``conditions`` hold.
+    """Transition from the state named ``source`` to the state named ``target``, made when all ``conditions`` hold.
 
-    The blend takes ``blend`` seconds, or as many as it needs if that is 0.
+    The blend takes ``blend`` seconds; 0 lets the blend take as long as the difference of the poses needs.
     """
 
     source: str
@@ -61,13 +62,15 @@ class Transition:
         where = f"'{self.source}' to '{self.target}'"
         if not self.conditions:
             raise ValueError(f"{where}: a transition needs a condition. Add one first.")
-        if not (math.isfinite(self.blend) and 0.0 <= self.blend <= LONGEST_BLEND):
-            raise ValueError(f"{where}: the blend time must be 0 to {LONGEST_BLEND:g} seconds, not {self.blend}.")
+        if not (math.isfinite(self.blend) and 0.0 <= self.blend <= LONGEST_BLEND_SECONDS):
+            raise ValueError(
+                f"{where}: the blend time must be 0 to {LONGEST_BLEND_SECONDS:g} seconds, not {self.blend}."
+            )
 
 
 @dataclass(frozen=True)
 class Role:
-    """Performer that plays a behaviour, and its partner's id; empty for no partner."""
+    """Performer in the cast of a behaviour, and the id of its partner; an empty id for no partner."""
 
     performer_id: str
     partner_id: str = ""
@@ -79,7 +82,8 @@ class Role:
 
 @dataclass(frozen=True)
 class Behaviour:
-    """States by their names, transitions in the order in which they are tried, and the performers that play it.
+    """State machine: states with unique names, transitions in the order in which they are tried, and the cast that
+    plays it.
 
     Raises ValueError for a duplicate state name, a transition from or to a missing state, a missing start state, and a
     performer with two roles.
@@ -127,7 +131,7 @@ class Behaviour:
         return tuple(each for each in self.transitions if each.source == name)
 
     def gaps_from(self, name: str) -> tuple[DistanceMeasure, ...]:
-        """Distances that the transitions from a state depend on, without repeats."""
+        """Distances that the conditions of the transitions from the state ``name`` need, without repeats."""
         conditions = (each for transition in self.transitions_from(name) for each in transition.conditions)
         return tuple(dict.fromkeys(each.gap for each in conditions if isinstance(each, DistanceCondition)))
 
@@ -148,7 +152,9 @@ class Behaviour:
 
 @dataclass(frozen=True)
 class BehaviourProgress:
-    """Position of a performer in its behaviour: its state, ``seconds`` spent there, and the transition it came by."""
+    """Progress of a performer in its behaviour: its state, ``seconds`` spent there, and the transition that
+    led there.
+    """
 
     state: str
     seconds: float = 0.0
@@ -156,15 +162,15 @@ class BehaviourProgress:
 
 
 def initial_progress(behaviour: Behaviour) -> BehaviourProgress:
-    """Running behaviour in its start state."""
+    """Progress of a performer that enters the start state of ``behaviour``."""
     return BehaviourProgress(behaviour.start)
 
 
 def advanced_progress(behaviour: Behaviour, running: BehaviourProgress, senses: ConditionInput) -> BehaviourProgress:
-    """Running behaviour of a performer ``senses.step`` seconds later.
+    """Progress of a performer ``senses.step`` seconds after ``running``.
 
     The transitions from its state are tried in order. The first one whose conditions all hold leads to the next state,
-    at 0 seconds of it; there is at most one transition a frame. If the state no longer exists, the behaviour restarts.
+    at 0 seconds; there is at most one transition a frame. If the state no longer exists, the behaviour restarts.
     """
     if behaviour.state(running.state) is None:
         return initial_progress(behaviour)
@@ -176,9 +182,9 @@ def advanced_progress(behaviour: Behaviour, running: BehaviourProgress, senses: 
 
 
 def without_references(behaviour: Behaviour, collection: str, entity_id: str) -> Behaviour:
-    """Behaviour without its references to a removed entity.
+    """Behaviour without its references to a removed entity, given by collection and id.
 
-    States lose the clip of a removed motion. Roles, manners and transitions that refer to a removed performer or prop
+    States lose the clip of a removed motion. Roles, reactions and transitions that refer to a removed performer or prop
     are removed; a performer that loses its partner plays on without one.
     """
     gone = (collection, entity_id)

@@ -1,4 +1,6 @@
-"""Edits of a behaviour: each takes one and returns another. Invalid edits raise ValueError, as ``Behaviour`` does."""
+"""Edits of a behaviour: functions that return a changed copy. An invalid edit raises ValueError, as
+``Behaviour`` does.
+"""
 
 from collections.abc import Collection
 from dataclasses import replace
@@ -15,7 +17,9 @@ def with_state(behaviour: Behaviour, state: State) -> Behaviour:
 
 
 def with_copies(behaviour: Behaviour, names: Collection[str], away: tuple[float, float]) -> Behaviour:
-    """Copy with some states duplicated beside them, with the transitions between these."""
+    """Copy in which the states ``names`` are duplicated, with the transitions between them; the duplicates lie ``away``
+    from them in the diagram.
+    """
     copied = behaviour
     called: dict[str, str] = {}
     for state in behaviour.states:
@@ -32,7 +36,7 @@ def with_copies(behaviour: Behaviour, names: Collection[str], away: tuple[float,
 
 
 def with_state_put(behaviour: Behaviour, name: str, state: State) -> Behaviour:
-    """Copy with another state in place of the one called ``name``; transitions follow a change of name."""
+    """Copy in which ``state`` replaces the state ``name``; transitions follow a change of name."""
 
     def now(each: str) -> str:
         return state.name if each == name else each
@@ -43,8 +47,9 @@ def with_state_put(behaviour: Behaviour, name: str, state: State) -> Behaviour:
 
 
 def without_states(behaviour: Behaviour, names: Collection[str]) -> Behaviour:
-    """Copy without some states and all transitions from and to them; if the start is removed, the first state left
-    becomes the start.
+    """Copy without the states ``names`` and all transitions from or to them.
+
+    If the start state is removed, the first remaining state becomes the start.
     """
     states = tuple(each for each in behaviour.states if each.name not in names)
     if not states:
@@ -55,33 +60,33 @@ def without_states(behaviour: Behaviour, names: Collection[str]) -> Behaviour:
 
 
 def with_new_transition(behaviour: Behaviour, source: str, target: str) -> Behaviour:
-    """Copy with one more transition, on the default condition that the clip ends."""
+    """Copy with a new transition from ``source`` to ``target``, on the default condition that the clip ends."""
     new = Transition(source, target, (ClipEndCondition(),))
     return replace(behaviour, transitions=(*behaviour.transitions, new))
 
 
 def with_transition_replaced(behaviour: Behaviour, index: int, transition: Transition) -> Behaviour:
-    """Copy with another transition in place of one."""
+    """Copy in which ``transition`` replaces the transition at ``index``."""
     transitions = list(behaviour.transitions)
     transitions[index] = transition
     return replace(behaviour, transitions=tuple(transitions))
 
 
 def without_transitions(behaviour: Behaviour, places: Collection[int]) -> Behaviour:
-    """Copy without the transitions at some indices."""
+    """Copy without the transitions at the indices ``places``."""
     kept = tuple(each for place, each in enumerate(behaviour.transitions) if place not in places)
     return replace(behaviour, transitions=kept)
 
 
-def order_of(behaviour: Behaviour, index: int) -> tuple[int, int]:
-    """Position of a transition in the order of its state, from 1, and the number of that state's transitions."""
+def transition_rank(behaviour: Behaviour, index: int) -> tuple[int, int]:
+    """Rank of a transition among those from the same state, from 1, and the number of these transitions."""
     source = behaviour.transitions[index].source
     places = [k for k, each in enumerate(behaviour.transitions) if each.source == source]
     return places.index(index) + 1, len(places)
 
 
 def with_transition_moved_up(behaviour: Behaviour, index: int) -> tuple[Behaviour, int]:
-    """Behaviour with a transition exchanged with the previous one of the same state, and its new index."""
+    """Copy in which a transition has changed places with the previous one of the same state, and its new index."""
     source = behaviour.transitions[index].source
     before = [k for k in range(index) if behaviour.transitions[k].source == source]
     if not before:
@@ -92,7 +97,7 @@ def with_transition_moved_up(behaviour: Behaviour, index: int) -> tuple[Behaviou
 
 
 def with_performer(behaviour: Behaviour, performer_id: str, partner_id: str = "") -> Behaviour:
-    """Behaviour with a performer in its cast, against that partner."""
+    """Copy with a performer added to the cast, with ``partner_id`` as its partner."""
     role = Role(performer_id, partner_id)
     if behaviour.role_of(performer_id) is None:
         return replace(behaviour, cast=(*behaviour.cast, role))
@@ -102,5 +107,5 @@ def with_performer(behaviour: Behaviour, performer_id: str, partner_id: str = ""
 
 
 def without_performer(behaviour: Behaviour, performer_id: str) -> Behaviour:
-    """Behaviour without a performer in its cast."""
+    """Copy without a performer in the cast."""
     return replace(behaviour, cast=tuple(each for each in behaviour.cast if each.performer_id != performer_id))

@@ -12,19 +12,19 @@ from studio.core.plausible import PLACE_RANGE, TIME_RANGE, TURN_RANGE
 
 FloatArray = NDArray[np.float64]
 
-MOST_REPEATS = 1000
-"""Times that a clip may play."""
+MOST_CLIP_REPEATS = 1000
+"""Maximum number of times that a clip may play in succession."""
 
 
 @dataclass(frozen=True)
 class Clip:
-    """Range of a motion: frames ``first`` to ``last``, both included, from ``start`` seconds.
+    """Range of a motion that a performer plays: frames ``first`` to ``last``, both included, from ``start`` seconds on.
 
-    It plays ``speed`` times as fast, which may be keyed over the seconds of the motion, ``repeats`` times, as its
-    mirror image if ``mirrored``. ``joined`` begins it where the clip before has ended; ``turn`` (radians) then rotates
-    it about its root, ``offset`` moves it, in leg lengths, since a clip has no body. ``ease`` are the seconds of its
-    transition if it overlaps nothing; 0 as many as needed. ``grip`` shapes the hands while it plays, from open (-1) to
-    fists (1); None keeps the character's.
+    ``speed`` is a factor, which may be keyed over the seconds of the motion. The range plays ``repeats`` times, as its
+    mirror image if ``mirrored``. If ``joined``, the clip begins at the position where the previous clip has ended;
+    ``turn`` (radians) then rotates it about its root, and ``offset`` (leg lengths, since a clip has no body) moves it.
+    ``ease`` is the length in seconds of the transition from the previous clip if the two do not overlap; 0 lets it take
+    as long as needed. ``grip`` shapes the hands from open (-1) to fists (1); None keeps the grip of the character.
     """
 
     motion_id: str
@@ -51,8 +51,8 @@ class Clip:
             raise ValueError(f"A clip must start at a finite time, not at {self.start}.")
         TIME_RANGE.check((self.start, self.ease))
         check_speed(self.speed)
-        if not 1 <= self.repeats <= MOST_REPEATS:
-            raise ValueError(f"The loop count of a clip must be from 1 to {MOST_REPEATS}, not {self.repeats}.")
+        if not 1 <= self.repeats <= MOST_CLIP_REPEATS:
+            raise ValueError(f"The loop count of a clip must be from 1 to {MOST_CLIP_REPEATS}, not {self.repeats}.")
         if not all(math.isfinite(number) for number in (self.turn, *self.offset)):
             raise ValueError("The rotation and the offset of a clip must be finite numbers.")
         PLACE_RANGE.check(self.offset)
@@ -63,21 +63,21 @@ class Clip:
             raise ValueError(f"The hand pose of a clip must be between -1 (open) and 1 (fists), not {self.grip}.")
 
     def length(self, frame_rate: float) -> float:
-        """Duration in seconds on the stage of the clip of a motion of ``frame_rate``, with all its repeats."""
+        """Duration on the stage in seconds, all repeats included, for a motion of ``frame_rate``."""
         if not isinstance(self.speed, KeyedNumber):
             return self.repeats * (self.last - self.first) / (frame_rate * self.speed)
         first, last = playing_seconds(self.speed, (self.first / frame_rate, self.last / frame_rate)).tolist()
         return float(self.repeats * (last - first))
 
     def stage_seconds(self, seconds: ArrayLike, frame_rate: float) -> FloatArray:
-        """Seconds on the stage at which ``seconds`` of the motion play first, as if the clip had no ends."""
+        """Stage seconds at which ``seconds`` of the motion first play, as if the clip had no ends."""
         if not isinstance(self.speed, KeyedNumber):
             return np.asarray(self.start + (np.asarray(seconds) - self.first / frame_rate) / self.speed)
         begin = playing_seconds(self.speed, self.first / frame_rate)
         return np.asarray(self.start + (playing_seconds(self.speed, seconds) - begin))
 
     def motion_seconds(self, seconds: ArrayLike, frame_rate: float) -> FloatArray:
-        """Seconds of the motion that play at ``seconds`` of the stage, as if the clip had no ends."""
+        """Motion seconds that play at stage ``seconds``, as if the clip had no ends."""
         since = np.asarray(seconds) - self.start
         if not isinstance(self.speed, KeyedNumber):
             return np.asarray(since * self.speed + self.first / frame_rate)
@@ -85,6 +85,6 @@ class Clip:
         return motion_seconds(self.speed, begin + since)
 
     def repeat_at(self, seconds: float, frame_rate: float) -> int:
-        """Number of the repeat at a time of the stage; the first or last one before and after the clip."""
+        """Index of the repeat that plays at ``seconds`` of the stage; the first before the clip, the last after it."""
         once = self.length(frame_rate) / self.repeats
         return int(min(max((seconds - self.start) // once, 0), self.repeats - 1)) if once > 0.0 else 0

@@ -1,4 +1,4 @@
-"""Edits of the clips of performers: trim, split, and the resulting row.
+"""Edits of the rows of clips of performers, such as trimming and splitting a clip.
 
 All performers that have a clip of one id share it: an edit applies to all of them.
 """
@@ -13,18 +13,18 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.project import Entity, Performer, Project, new_ids
 
 ClipEdit = Callable[[Clip], Sequence[Clip]]
-"""Function that returns the replacement of a clip: no clip, a changed clip, or several."""
-MOST_PARTS = 4
-"""Clips that one clip is split into at most."""
+"""Function that returns the clips that replace a clip: none, a changed one, or several."""
+MOST_CLIP_PARTS = 4
+"""Maximum number of clips into which one clip is split."""
 
 
 def players_of(project: Project, clip_id: str) -> dict[str, Performer]:
-    """Performers that have a clip in their row, by id."""
+    """Performers that have the clip ``clip_id`` in their row or layers, by performer id."""
     return {key: each for key, each in project.performers.items() if any(clip.id == clip_id for clip in each.all_clips)}
 
 
 def with_clip_edited(performer: Performer, clip_id: str, edit: ClipEdit) -> Performer:
-    """Performer with a clip of its row or layers edited, the row sorted by the start of its clips."""
+    """Performer with a clip of its row or layers edited, and the row sorted by the start of the clips."""
     row = [new for clip in performer.clips for new in (edit(clip) if clip.id == clip_id else (clip,))]
     layers = [
         replace(layer, clip=new)
@@ -35,19 +35,21 @@ def with_clip_edited(performer: Performer, clip_id: str, edit: ClipEdit) -> Perf
 
 
 def with_row(performer: Performer, row: Sequence[Clip]) -> Performer:
-    """Copy of a performer that plays ``row``."""
+    """Copy of a performer with ``row`` as its row of clips."""
     return replace(performer, clips=tuple(sorted(row, key=lambda clip: clip.start)))
 
 
 def frame_at(clip: Clip, frame_rate: float, time: float) -> float:
-    """Frame of the motion, with a fraction, that plays at a time of the stage, as if the clip had no ends."""
+    """Frame of the motion, with a fraction, that plays at stage second ``time``, as if the clip had no ends."""
     if not isinstance(clip.speed, KeyedNumber):
         return clip.first + (time - clip.start) * clip.speed * frame_rate
     return float(clip.motion_seconds(time, frame_rate) * frame_rate)
 
 
 def with_first_frame(clip: Clip, frame_rate: float, frame: int) -> Clip:
-    """Clip from another frame on, which keeps its time on the stage; at most to its last one."""
+    """Copy of a clip that begins at ``frame`` of the motion, at most at its last frame, and keeps its time on the
+    stage.
+    """
     frame = min(max(frame, 0), clip.last)
     if not isinstance(clip.speed, KeyedNumber):
         return replace(clip, first=frame, start=clip.start + (frame - clip.first) / (frame_rate * clip.speed))
@@ -55,15 +57,15 @@ def with_first_frame(clip: Clip, frame_rate: float, frame: int) -> Clip:
 
 
 def with_last_frame(clip: Clip, frame: int, frame_count: int) -> Clip:
-    """Clip to another last frame, of a motion of ``frame_count``."""
+    """Copy of a clip that ends at ``frame`` of its motion, which has ``frame_count`` frames."""
     return replace(clip, last=max(min(frame, frame_count - 1), clip.first))
 
 
 def clip_halves(clip: Clip, frame_rate: float, time: float, names: Iterator[str]) -> tuple[Clip, ...]:
-    """Clip split into two at ``time`` (seconds of the stage) that together play as the one did.
+    """Clips into which a clip is split at stage second ``time``; together they play as the clip did.
 
-    If that is within a repeat, those before and after it become clips of their own. The first keeps the id, ``names``
-    are those of the others. Raises ValueError if the clip does not play then, or ends.
+    A split inside a repeat makes the repeats before and after it clips of their own. The first part keeps the id;
+    ``names`` gives the ids of the others. Raises ValueError if the clip does not play at ``time``, or ends then.
     """
     length, once = clip.last - clip.first, clip.length(frame_rate) / clip.repeats
     whole = min(max(math.floor((time - clip.start) / once), 0), clip.repeats - 1) if once > 0.0 else 0
@@ -86,18 +88,18 @@ def clip_halves(clip: Clip, frame_rate: float, time: float, names: Iterator[str]
 
 
 def continuing_clip(clip: Clip, clip_id: str) -> Clip:
-    """New clip that continues where the previous one ends."""
+    """Copy of a clip with the id ``clip_id`` that continues where the previous clip of its row ends."""
     return replace(clip, id=clip_id, joined=True, turn=0.0, offset=(0.0, 0.0))
 
 
 def clips_until(performer: Performer, time: float, frame_rates: Mapping[str, float]) -> tuple[Clip, ...]:
-    """Clips of a performer before ``time`` in seconds; later parts are cut off.
+    """Clips of a performer before stage second ``time``; the rest is cut off. ``frame_rates`` are by motion id.
 
-    A loop that is cut in its middle becomes a clip of its own, with a new id, after the whole ones.
+    A repeating clip that is cut inside a repeat is followed by a new clip for the part of that repeat.
     """
     kept: list[Clip] = []
     for clip in performer.clips:
-        rate, names = frame_rates[clip.motion_id], new_ids(MOST_PARTS)
+        rate, names = frame_rates[clip.motion_id], new_ids(MOST_CLIP_PARTS)
         if clip.start >= time:
             continue
         length = clip.length(rate)
@@ -112,8 +114,9 @@ def clips_until(performer: Performer, time: float, frame_rates: Mapping[str, flo
 
 
 def scoped_copies(project: Project, clip_id: str, other: str) -> dict[str, dict[str, Entity]]:
-    """Copies for clip ``other`` of the constraints and contacts that apply to one clip alone: new entities by
-    collection and id.
+    """Copies for the clip ``other`` of the constraints and contacts whose scope is the clip ``clip_id`` alone.
+
+    The result has new entities by collection and id.
     """
     scoped = {
         collection: [
@@ -127,7 +130,10 @@ def scoped_copies(project: Project, clip_id: str, other: str) -> dict[str, dict[
 
 
 def copies_for_parts(project: Project, before: Performer, clips: Sequence[Clip]) -> dict[str, dict[str, Entity]]:
-    """``scoped_copies`` for those of ``clips`` that are new parts of the clips ``before``, which they follow."""
+    """Copies of scoped constraints and contacts for those of ``clips`` that are new parts of clips of ``before``.
+
+    The result has new entities by collection and id.
+    """
     known, whole = {clip.id for clip in before.clips}, ""
     copies: dict[str, dict[str, Entity]] = {"constraints": {}, "contacts": {}}
     for clip in clips:

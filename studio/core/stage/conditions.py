@@ -6,16 +6,17 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from studio.core.plausible import PLACE_RANGE, TIME_RANGE
-from studio.core.stage.whom import DistanceMeasure
+from studio.core.stage.behaviour_target import DistanceMeasure
 
 
 @dataclass(frozen=True)
 class ConditionInput:
     """Input of a performer's conditions in one frame of the stage.
 
-    ``step``: seconds since the previous frame. ``gaps``: the measured distances (``Behaviour.gaps_from`` lists the
-    needed ones); one that is missing, for lack of a partner, fulfils no condition. ``clip_ended``: the state's clip has
-    played its last frame. ``events`` and ``keys``: the names of events and pressed keys since the previous frame.
+    ``step``: seconds since the previous frame. ``gaps``: the measured distances that ``Behaviour.gaps_from`` lists; a
+    distance that is missing, for lack of a partner, fulfils no condition. ``clip_ended``: True if the state's clip has
+    played its last frame. ``events`` and ``keys``: names of the events and of the pressed keys since the previous
+    frame.
     """
 
     step: float = 0.0
@@ -27,7 +28,7 @@ class ConditionInput:
 
 @dataclass(frozen=True)
 class DistanceCondition:
-    """The gap is less than ``distance``, or greater if not ``closer``."""
+    """Condition that the distance ``gap`` is less than ``distance``, or greater if ``closer`` is False."""
 
     kind: ClassVar[str] = "distance"
     gap: DistanceMeasure = DistanceMeasure()
@@ -47,7 +48,7 @@ class DistanceCondition:
 
 @dataclass(frozen=True)
 class TimeCondition:
-    """The state has lasted for ``seconds``."""
+    """Condition that the state has lasted for ``seconds``."""
 
     kind: ClassVar[str] = "time"
     seconds: float = 1.0
@@ -64,7 +65,7 @@ class TimeCondition:
 
 @dataclass(frozen=True)
 class ClipEndCondition:
-    """The state's clip has played once to its end, also if it loops."""
+    """Condition that the state's clip has played once to its end, also if it loops."""
 
     kind: ClassVar[str] = "clip_end"
 
@@ -75,7 +76,10 @@ class ClipEndCondition:
 
 @dataclass(frozen=True)
 class EventCondition:
-    """An event of that name was received: from a partner's state when it begins, or from outside."""
+    """Condition that the event named ``event`` was received from the partner or from outside.
+
+    A partner sends the event of its state when that state begins.
+    """
 
     kind: ClassVar[str] = "event"
     event: str
@@ -86,13 +90,13 @@ class EventCondition:
             raise ValueError("An event needs a name, such as 'attack'.")
 
     def is_met(self, senses: ConditionInput, seconds: float) -> bool:
-        """True if the event came since the previous frame."""
+        """True if the event was received since the previous frame."""
         return self.event in senses.events
 
 
 @dataclass(frozen=True)
 class KeyCondition:
-    """A key of the keyboard was pressed: a letter, a digit, or a name such as Space; letters are capitals."""
+    """Condition that a key of the keyboard was pressed: a capital letter, a digit, or a name such as Space."""
 
     kind: ClassVar[str] = "key"
     key: str
@@ -104,7 +108,7 @@ class KeyCondition:
             raise ValueError("A key is a letter, a digit, or a name such as Space.")
 
     def is_met(self, senses: ConditionInput, seconds: float) -> bool:
-        """True if the key came since the previous frame."""
+        """True if the key was pressed since the previous frame."""
         return self.key in senses.keys
 
 

@@ -6,21 +6,21 @@ from dataclasses import dataclass
 from studio.core.plausible import TIME_RANGE
 
 FOOTAGE_RATES = (0.1, 1000.0)
-"""Least and most frames a second at which footage is shown."""
+"""Lowest and highest frame rate at which footage is shown, in frames per second."""
 
 
 @dataclass(frozen=True)
 class Footage:
-    """Film, or pictures with a running number, from second ``start`` of the stage on."""
+    """Reference film, or numbered pictures, shown from stage second ``start`` on."""
 
     name: str
     source: str
     """Path of the film, or of the first picture."""
     frames: int
     file_rate: float
-    """Frames a second of the film; of pictures, as they were added."""
+    """Frame rate of the film; for pictures, the rate with which they were added."""
     frame_rate: float
-    """Frames that are shown in a second of the stage."""
+    """Frame rate at which the footage is shown on the stage."""
     start: float = 0.0
 
     def __post_init__(self) -> None:
@@ -33,10 +33,10 @@ class Footage:
 
     @property
     def end(self) -> float:
-        """Second of the stage at which its last frame ends."""
+        """Stage second at which the last frame ends."""
         return self.start + self.frames / self.frame_rate
 
     def frame_at(self, seconds: float) -> int | None:
-        """Index of the frame shown at a second of the stage; None before the first and after the last."""
+        """Index of the frame shown at a second of the stage; None before the first frame and after the last."""
         frame = math.floor((seconds - self.start) * self.frame_rate + 1e-6)
         return frame if 0 <= frame < self.frames else None

@@ -1,4 +1,4 @@
-"""Grips as a row of clips plays them: hands are on a prop while it is held, in seconds of the stage."""
+"""Grip constraints in a row of clips: each acts while its prop is held, in stage seconds."""
 
 import itertools
 import math
@@ -16,12 +16,14 @@ from studio.core.stage.clip import Clip
 from studio.core.stage.project import Project
 from studio.core.stage.prop import Carried, Prop
 
-SAME_STAGE_TIME = 1e-6
-"""Seconds that are no difference between two moments."""
+STAGE_TIME_TOLERANCE_SECONDS = 1e-6
+"""Difference in seconds below which two moments count as the same."""
 
 
 def gripped_prop(constraint: Constraint) -> str | None:
-    """Id of the prop on which a constraint keeps a hand, as ``grip_constraints`` makes it; None for all others."""
+    """Id of the prop on which a grip constraint keeps a hand (see ``grip_constraints``); None for any other
+    constraint.
+    """
     follows = (each for each in follows_of(constraint) if isinstance(each, FollowProp) and each.along_arms)
     return next((each.prop_id for each in follows), None)
 
@@ -29,10 +31,10 @@ def gripped_prop(constraint: Constraint) -> str | None:
 def repeats_as_held(
     project: Project, performer_id: str, clip: Clip, constraint: Constraint
 ) -> tuple[Constraint | None, ...]:
-    """Constraint in each repeat of a performer's clip; None where it is a grip on a prop that has been let go by then.
+    """Constraint for each repeat of a performer's clip; None for a repeat after a gripped prop has been let go.
 
-    A motion that plays again would repeat a grip with it. The grip's own times count where its hold begins; in what the
-    performer plays after that, it lasts as long as the hold.
+    A motion that plays again would repeat its grip constraints. The constraint's own times apply in the piece in which
+    the hold begins; in the following pieces it lasts as long as the hold.
     """
     holds = [each for each in _holds(project.props, gripped_prop(constraint)) if each.performer_id == performer_id]
     if not holds:
@@ -53,7 +55,9 @@ def repeats_as_held(
 def _curve_in(
     piece: "_Piece", origin: "_Piece", hold: Carried, curve: ActivationCurve, row_end: float
 ) -> ActivationCurve | None:
-    """Activation in a piece of the row of a grip whose hold begins in the piece ``origin``; None if it never acts."""
+    """Activation in ``piece`` of a grip whose hold begins in the piece ``origin``; None if the grip never
+    acts there.
+    """
     first, last = piece.stage_time(curve.full), piece.stage_time(curve.full_end)
     if piece.begin > origin.begin and origin.plays_no_longer_than(curve.full_end):
         first = origin.stage_time(curve.full)
@@ -61,13 +65,17 @@ def _curve_in(
         last = max(origin.stage_time(curve.full_end), row_end)
     first = max(first, -math.inf if hold.begin is None else hold.begin)
     last = min(last, math.inf if hold.end is None else hold.end)
-    if first > last + SAME_STAGE_TIME:
+    if first > last + STAGE_TIME_TOLERANCE_SECONDS:
         return None
     full, full_end = piece.motion_time(first), piece.motion_time(max(last, first))
     times = full - (curve.full - curve.start), full, full_end, full_end + curve.end - curve.full_end
     if piece.stage_time(times[3]) <= piece.begin or piece.stage_time(times[0]) >= piece.end:
         return None
-    return curve if np.allclose(times, curve.times, rtol=0.0, atol=SAME_STAGE_TIME) else curve.with_times(*times)
+    return (
+        curve
+        if np.allclose(times, curve.times, rtol=0.0, atol=STAGE_TIME_TOLERANCE_SECONDS)
+        else curve.with_times(*times)
+    )
 
 
 def _holds(props: Mapping[str, Prop], prop_id: str | None) -> list[Carried]:
@@ -77,7 +85,7 @@ def _holds(props: Mapping[str, Prop], prop_id: str | None) -> list[Carried]:
 
 @dataclass(frozen=True)
 class _Piece:
-    """One repeat of a clip whose motion has ``frame_rate``."""
+    """One repeat of a clip in a performer's row; ``frame_rate`` is that of its motion."""
 
     clip: Clip
     repeat: int
@@ -90,12 +98,12 @@ class _Piece:
 
     @property
     def begin(self) -> float:
-        """Seconds of the stage at which it begins."""
+        """Stage second at which the repeat begins."""
         return self.clip.start + self.delay
 
     @property
     def end(self) -> float:
-        """Seconds of the stage at which it ends."""
+        """Stage second at which the repeat ends."""
         return self.begin + self.clip.length(self.frame_rate) / self.clip.repeats
 
     def stage_time(self, seconds: float) -> float:
@@ -107,12 +115,12 @@ class _Piece:
         return float(self.clip.motion_seconds(seconds - self.delay, self.frame_rate))
 
     def plays_no_longer_than(self, seconds: float) -> bool:
-        """True if it ends before or at ``seconds`` of the motion."""
-        return seconds >= self.clip.last / self.frame_rate - SAME_STAGE_TIME
+        """True if the repeat ends at or before ``seconds`` of the motion."""
+        return seconds >= self.clip.last / self.frame_rate - STAGE_TIME_TOLERANCE_SECONDS
 
 
 def _pieces(project: Project, performer_id: str, constraint: Constraint) -> Iterator[_Piece]:
-    """All that a performer plays of the motion of a constraint, within its scope."""
+    """Repeats of all clips of a performer that play the motion of ``constraint`` within its scope."""
     for clip in project.performers[performer_id].clips:
         if clip.motion_id == constraint.motion_id and constraint.scope.includes(performer_id, clip.id):
             rate = project.frame_rate_of(clip)

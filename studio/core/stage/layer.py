@@ -21,12 +21,12 @@ class Region(StrEnum):
 
     @property
     def label(self) -> str:
-        """Name for the user: ``Upper body``, ``Torso`` of the trunk."""
+        """Label for the user, such as ``Upper body``; ``Torso`` for the trunk."""
         return "Torso" if self is Region.TRUNK else self.capitalize()
 
     @property
     def parts(self) -> frozenset["Region"]:
-        """Smallest regions of which this one consists."""
+        """Elementary regions of which this region consists."""
         match self:
             case Region.WHOLE:
                 return Region.UPPER_BODY.parts | {Region.LEGS}
@@ -39,10 +39,11 @@ class Region(StrEnum):
 
 @dataclass(frozen=True)
 class Layer:
-    """``clip`` over a performer's row, with ``weight`` on a ``region`` of the body.
+    """Clip that plays over a performer's row of clips, with ``weight`` on a ``region`` of the body.
 
-    It fades in ``fade_in`` and ``fade_out`` seconds; 0 is as long as needed to keep joint accelerations low.
-    ``additive`` adds the clip's difference from its frame ``reference`` (-1 for its first one) to the motion below.
+    ``fade_in`` and ``fade_out`` are in seconds; 0 lets a fade take as long as low joint accelerations need.
+    ``additive`` adds the difference of the clip from its frame ``reference`` (-1 for its first frame) to the motion
+    below.
     """
 
     clip: Clip

@@ -1,4 +1,4 @@
-"""Local pose: rotations of all parts of a body relative to their parents, independent of its build."""
+"""Local poses: rotations of all parts of a body relative to their parents, independent of the body's proportions."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.constraints.base import Vector
 from studio.core.rotations import from_matrix, from_rotation_vector, to_matrix, to_rotation_vector
-from studio.core.stage.correction import STILL
+from studio.core.stage.correction import NO_OFFSET
 
 FloatArray = NDArray[np.float64]
 
 SPINE_ROUNDS = 16
-"""Rounds in which the rotation that all inner vertebrae share is found; one is exact for a single vertebra."""
+"""Number of iterations that find the rotation shared by all inner vertebrae; one is exact for a single vertebra."""
 _TRUNK = (BodyPart.ABDOMEN, BodyPart.THORAX)
 _HEAD = (BodyPart.NECK, BodyPart.HEAD)
 _LEFT_ARM, _RIGHT_ARM, _LEGS = (
@@ -36,14 +36,14 @@ POSE_REGIONS: Mapping[str, tuple[BodyPart, ...]] = {
     "Legs": _LEGS,
     "Head": _HEAD,
 }
-"""Parts of the body that a pose is applied to, by their name."""
+"""Body parts to which a pose is applied, by the label of the region."""
 
 
 @dataclass(frozen=True)
 class LocalPose:
-    """Rotation vectors (radians) of all parts relative to their parents, of the pelvis relative to its heading.
+    """Pose as rotation vectors (radians) of all parts relative to their parents; the pelvis is relative to its heading.
 
-    The abdomen's is that of all inner vertebrae together. ``hips_height`` is in leg lengths.
+    The rotation of the abdomen is that of all inner vertebrae together. ``hips_height`` is in leg lengths.
     """
 
     rotations: Mapping[BodyPart, Vector]
@@ -61,7 +61,7 @@ class LocalPose:
 
 
 def local_pose(layout: BodyLayout, rotations: FloatArray, hips_height: float) -> LocalPose:
-    """Local pose of segments with world ``rotations`` (S, 3, 3)."""
+    """Local pose of a body whose segments have the world ``rotations`` (S, 3, 3)."""
     own = _local_rotations(layout, rotations)
     return LocalPose({part: _vector(_product(own[_segments(layout, part)])) for part in BodyPart}, hips_height)
 
@@ -80,7 +80,7 @@ def posed_rotations(layout: BodyLayout, pose: LocalPose) -> FloatArray:
     return rotations
 
 
-def turns_to(
+def offsets_towards(
     layout: BodyLayout,
     rotations: FloatArray,
     pose: LocalPose,
@@ -88,20 +88,20 @@ def turns_to(
     fraction: float,
     before: Mapping[BodyPart, Vector],
 ) -> dict[BodyPart, Vector]:
-    """Offsets that blend ``parts`` by a ``fraction`` towards ``pose``: rotation vectors as in ``PoseOffsets``.
+    """Rotation vectors, as in ``PoseOffsets``, that blend ``parts`` by ``fraction`` towards ``pose``.
 
-    ``rotations`` (S, 3, 3) of the world already include the offsets ``before``, which the new ones replace.
+    The world ``rotations`` (S, 3, 3) already include the offsets ``before``, which the new ones replace.
     """
     own, found = _local_rotations(layout, rotations), dict[BodyPart, Vector]()
     for part in parts:
         segments, saved = _segments(layout, part), _matrix(pose.rotations[part])
-        offset = _matrix(before.get(part, STILL))
+        offset = _matrix(before.get(part, NO_OFFSET))
         if layout.spine_count == 2 and part in _TRUNK:  # the thorax makes the rotation of the missing abdomen
             if part is BodyPart.ABDOMEN:
-                found[part] = STILL
+                found[part] = NO_OFFSET
                 continue
             saved = _matrix(pose.rotations[BodyPart.ABDOMEN]) @ saved
-            offset = _matrix(before.get(BodyPart.ABDOMEN, STILL)) @ offset
+            offset = _matrix(before.get(BodyPart.ABDOMEN, NO_OFFSET)) @ offset
         shown = _product(own[segments])
         goal = shown @ _matrix(fraction * np.array(_vector(shown.T @ saved)))
         found[part] = _vector(_shared(own[segments], offset, goal))
@@ -109,7 +109,7 @@ def turns_to(
 
 
 def _shared(chain: FloatArray, before: FloatArray, goal: FloatArray) -> FloatArray:
-    """Rotation (3, 3) which, in equal parts on all of ``chain`` (M, 3, 3) in place of ``before``, gives ``goal``."""
+    """Rotation (3, 3) that, shared equally by all of ``chain`` (M, 3, 3) in place of ``before``, gives ``goal``."""
 
     def divided(rotation: FloatArray) -> FloatArray:
         return _matrix(np.array(_vector(rotation)) / len(chain))

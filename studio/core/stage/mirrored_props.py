@@ -1,4 +1,4 @@
-"""Constraints on held props as mirrored clips play them: a prop that a body holds is reflected with its hands."""
+"""Constraints on held props in mirrored clips: a prop that a body holds is reflected together with its hands."""
 
 from dataclasses import replace
 from typing import Any
@@ -8,7 +8,7 @@ import numpy as np
 from studio.core.changed_records import with_fields
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import Constraint, Vector
-from studio.core.constraints.carried_over import MIRROR, is_hinged, mirrored_constraint, reflected_tilt
+from studio.core.constraints.carried_over import MIRROR_TRANSFORM, is_hinged, mirrored_constraint, reflected_tilt
 from studio.core.constraints.follow import FollowProp
 from studio.core.constraints.rail import RailConstraint
 from studio.core.curves.keyed import KeyedNumber
@@ -16,11 +16,11 @@ from studio.core.rotations import multiply
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Project
 
-HALF_TURN = np.array([0.0, 0.0, 1.0, 0.0])
+HALF_TURN_ABOUT_Z = np.array([0.0, 0.0, 1.0, 0.0])
 
 
 def constraint_as_played(project: Project, performer_id: str, clip: Clip, constraint: Constraint) -> Constraint:
-    """Constraint on the side where a clip of a performer plays it. Its own inverse."""
+    """Constraint as a clip plays it: on the other side if the clip is mirrored. The function is its own inverse."""
     if not clip.mirrored:
         return constraint
     return mirrored_constraint(with_held_props_reflected(project, performer_id, clip, constraint))
@@ -29,10 +29,10 @@ def constraint_as_played(project: Project, performer_id: str, clip: Clip, constr
 def with_held_props_reflected(
     project: Project, performer_id: str, clip: Clip, constraint: Constraint, repeat: int = 0
 ) -> Constraint:
-    """Constraint on the other sides of the props that the performer holds, for a repeat of a mirrored clip, whose
-    mirror changes all but what others than the body are followed for. Its own inverse.
+    """Constraint with its positions on held props reflected, for one repeat of a mirrored clip. Its own inverse.
 
-    Of several holds of a prop, that at the constraint's full activation counts.
+    The mirror image of a motion changes only quantities of the body itself, so props that the performer holds are
+    treated here. If a prop has several holds, the one at the constraint's full activation counts.
     """
     changes: dict[str, Any] = {}
     for name, follow in vars(constraint).items() if clip.mirrored else ():
@@ -46,16 +46,16 @@ def with_held_props_reflected(
 
 
 def _reflected(name: str, follow: FollowProp, constraint: Constraint, signs: Vector) -> dict[str, Any]:
-    """Fields of a constraint on a prop with the ``signs`` of its axes.
+    """Changed fields of a constraint on a prop whose axes are mirrored with ``signs``, by field name.
 
-    With S the signs, the prop's rotation P becomes M P S in the mirror M. A rotation Q in its axes becomes S Q D, where
-    D is the mirror of the segment's axes (``mirrored_motion``), as for offsets in a hand's axes; of an area or a rail,
-    which has no segment, S Q S.
+    With S the signs, the prop's rotation P becomes M P S in the mirror M. A rotation Q in the prop's axes becomes S Q
+    D, where D is the mirror of the segment's axes (``mirrored_motion``), as for offsets in a hand's axes; for an area
+    or a rail, which has no segment, S Q S.
     """
     turn = np.array(follow.turn) * [*-np.array(signs), 1.0]
     turned = name != "centre" and (signs[0] < 0.0) is not is_hinged(constraint.point.part)
     if turned:
-        turn = multiply(turn, HALF_TURN)
+        turn = multiply(turn, HALF_TURN_ABOUT_Z)
     hand = (-1.0, -1.0, 1.0) if follow.along_arms and turned else (1.0, 1.0, 1.0)
     point = replace(
         follow, offset=_times(hand, _times(signs, follow.offset)), share=_times(signs, follow.share),
@@ -74,13 +74,13 @@ def _reflected(name: str, follow: FollowProp, constraint: Constraint, signs: Vec
 
 
 def _opposite(heading: float | KeyedNumber) -> float | KeyedNumber:
-    """Heading to the other side."""
+    """Heading with the opposite sign."""
     if not isinstance(heading, KeyedNumber):
         return -heading
-    return replace(MIRROR.retimed_keys(heading, np.negative), values=tuple(-each for each in heading.values))
+    return replace(MIRROR_TRANSFORM.retimed_keys(heading, np.negative), values=tuple(-each for each in heading.values))
 
 
 def _times(signs: Vector, vector: Vector) -> Vector:
-    """Product of each number of both."""
+    """Elementwise product of two vectors."""
     x, y, z = (np.array(signs) * vector + 0.0).tolist()
     return x, y, z

@@ -14,14 +14,16 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Placement:
-    """Transform from motion space to the stage: rotated by ``heading`` about Z, then moved by ``position``."""
+    """Transform from motion space to the stage: a rotation by ``heading`` (radians) about Z, then a move by
+    ``position``.
+    """
 
     position: tuple[float, float] = (0.0, 0.0)
     heading: float = 0.0
 
     @classmethod
     def of(cls, performer: Performer) -> "Placement":
-        """Placement of a performer."""
+        """Placement at the position and heading of a performer."""
         return cls(performer.position, performer.heading)
 
     def compose(self, inner: "Placement") -> "Placement":
@@ -41,9 +43,9 @@ class Placement:
         return np.array([*self.position, 0.0])
 
     def to_stage(self, points: ArrayLike) -> FloatArray:
-        """Stage points of motion space ``points`` (..., 3)."""
+        """Stage coordinates (..., 3) of ``points`` (..., 3) in motion space."""
         return np.asarray(np.asarray(points, dtype=np.float64) @ self.rotation.T + self._origin)
 
     def to_motion(self, points: ArrayLike) -> FloatArray:
-        """Motion space points of stage ``points`` (..., 3)."""
+        """Motion space coordinates (..., 3) of ``points`` (..., 3) on the stage."""
         return np.asarray((np.asarray(points, dtype=np.float64) - self._origin) @ self.rotation)

@@ -1,4 +1,4 @@
-"""Run of a playhead: conversion from seconds of a clock to seconds on the stage."""
+"""Uninterrupted run of the playhead: conversion from clock seconds to stage seconds."""
 
 from dataclasses import dataclass
 
@@ -10,25 +10,25 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PlaybackRun:
-    """A playhead at stage second ``start`` when the clock was at ``started``, running ``speed`` times as fast."""
+    """Run of the playhead from stage second ``start`` at clock second ``started``, at ``speed`` times real time."""
 
     started: float
     start: float
     speed: float
     begin: float
-    """First second of the range that is played."""
+    """First stage second of the played range."""
     end: float
-    """Second of the last frame of that range."""
+    """Stage second of the last frame of the played range."""
     frame: float
     """Seconds for which the last frame is shown before a loop begins again."""
     loop: bool
 
     def unbounded_seconds(self, clock: FloatArray) -> FloatArray:
-        """Seconds on the stage at the seconds ``clock``, as if the range had no end."""
+        """Stage seconds at ``clock`` seconds (any shape), as if the played range had no end."""
         return np.asarray(self.start + (clock - self.started) * self.speed)
 
     def stage_seconds(self, clock: FloatArray) -> FloatArray:
-        """Seconds on the stage at the seconds ``clock``, of the same shape; NaN beyond a range that does not loop."""
+        """Stage seconds at ``clock`` seconds, of the same shape; NaN past the end of a range that does not loop."""
         seconds = self.unbounded_seconds(clock)
         outside = (seconds < self.begin) | (seconds > self.end)
         if not self.loop or self.end <= self.begin:

@@ -19,7 +19,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import Follow, FollowPerformer, FollowProp
 from studio.core.constraints.scope import Scope, in_scope_of, narrowest_scoped
 from studio.core.constraints.target import follows_of
-from studio.core.curves.tangents import SPARSE
+from studio.core.curves.tangents import LEFT_OUT_IF_DEFAULT
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.character import Character
 from studio.core.plausible import PLACE_RANGE, TURN_RANGE
@@ -50,12 +50,12 @@ def new_ids(count: int) -> list[str]:
 
 @dataclass(frozen=True)
 class Motion:
-    """Capture to be performed by any body; its contacts and constraints refer to it by id."""
+    """Capture as a motion that any body can perform; contacts and constraints refer to it by id."""
 
     name: str
     capture_id: str
-    tags: tuple[str, ...] = field(default=(), metadata=SPARSE)
-    """Words of the user by which the library finds it."""
+    tags: tuple[str, ...] = field(default=(), metadata=LEFT_OUT_IF_DEFAULT)
+    """Words that the user gave it to find it in the library."""
 
 
 @dataclass(frozen=True)
@@ -123,9 +123,10 @@ COLLECTIONS = (
     "footage",
     "corrections",
 )
+"""Names of the collections of entities in a project."""
 
 
-CLASSES: Mapping[str, type] = MappingProxyType(
+COLLECTION_CLASSES: Mapping[str, type] = MappingProxyType(
     {
         "captures": Capture,
         "motions": Motion,
@@ -143,6 +144,7 @@ CLASSES: Mapping[str, type] = MappingProxyType(
         "corrections": Correction,
     }
 )
+"""Class of the entities of each collection, by the name of the collection."""
 
 
 def _frozen(entities: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -207,7 +209,8 @@ class Project:
     footage: Mapping[str, Footage] = field(default_factory=dict)
     corrections: Mapping[str, Correction] = field(default_factory=dict)
     carried: Mapping[str, Any] = field(default_factory=dict)
-    """JSON, by its place, that a newer version wrote and this one does not know; written back unchanged."""
+    """JSON of a newer version that this version does not know, by its place in the file; it is written back unchanged.
+    """
 
     def __post_init__(self) -> None:
         if GROUND_ID not in self.grounds:  # as in a damaged file
@@ -217,11 +220,12 @@ class Project:
 
     @property
     def ground(self) -> Ground:
+        """Ground of the stage."""
         return self.grounds[GROUND_ID]
 
     @cached_property
     def known(self) -> dict[Any, Any]:
-        """Cache of results that callers have computed from this project, under their own keys."""
+        """Cache of values that callers have computed from this project, under keys of their own."""
         return {}
 
     @property
@@ -251,11 +255,13 @@ class Project:
         return MappingProxyType(dict(found))
 
     def get(self, collection: str, entity_id: str) -> Any:
-        """Entity of that id, or the value in ``clips``, ``states`` or ``transitions``, or None."""
+        """Entity of a collection, or value of ``clips``, ``states`` or ``transitions``, with that id; None if there is
+        none.
+        """
         return getattr(self, collection).get(entity_id)
 
     def place(self, collection: str, entity_id: str) -> int | None:
-        """Index in its collection of the entity of that id, or None."""
+        """Index of an entity in its collection; None if there is no such entity."""
         ids = tuple(getattr(self, collection))
         return ids.index(entity_id) if entity_id in ids else None
 
@@ -267,7 +273,10 @@ class Project:
         return self.with_entities(collection, ((entity_id, entity, index),))
 
     def with_entities(self, collection: str, changes: Iterable[tuple[str, Entity | None, int | None]]) -> Self:
-        """``with_entity`` for many of one collection, (id, entity or None, place) in their order."""
+        """Project with several entities of one collection added, replaced or removed.
+
+        Each change is (id, entity or None to remove it, index or None), as the arguments of ``with_entity``.
+        """
         entities = dict(getattr(self, collection))
         for entity_id, entity, place in changes:
             if entity is None:
@@ -284,7 +293,7 @@ class Project:
         return changed
 
     def referring_to(self, collection: str, entity_id: str) -> tuple[tuple[str, str], ...]:
-        """(collection, id) of the entities that refer to this one."""
+        """(collection, id) of the entities that refer to the entity ``entity_id`` of ``collection``."""
         return tuple(
             (name, key)
             for name in COLLECTIONS
@@ -293,7 +302,7 @@ class Project:
         )
 
     def missing_references(self, entity: Entity) -> tuple[tuple[str, str], ...]:
-        """Those of ``references(entity)`` that are not in this project."""
+        """(collection, id) of the entities that ``entity`` refers to and that are not in this project."""
         return tuple(reference for reference in references(entity) if self.get(*reference) is None)
 
     def constraints_of(self, motion_id: str) -> dict[str, Constraint]:
@@ -302,22 +311,22 @@ class Project:
         return dict(sorted(own.items(), key=lambda pair: pair[1].priority))
 
     def places_of(self, motion_id: str) -> dict[str, int]:
-        """Rank of each of the motion's constraints by id, 1 the highest; those of equal priority share one."""
+        """Rank of each constraint of a motion by constraint id; 1 is the highest, and equal priorities share a rank."""
         own = self.constraints_of(motion_id)
         levels = sorted({each.priority for each in own.values()})
         return {key: levels.index(each.priority) + 1 for key, each in own.items()}
 
     def contacts_of(self, motion_id: str) -> dict[str, ContactInterval]:
-        """Contacts of the motion by id, in order of time."""
+        """Contacts of a motion by id, in order of time."""
         return dict(self._contacts_by_motion.get(motion_id, ()))
 
     def labels_of(self, motion_id: str) -> dict[str, Label]:
-        """Labels of the motion by id, in order of time."""
+        """Labels of a motion by id, in order of time."""
         own = {key: each for key, each in self.labels.items() if each.motion_id == motion_id}
         return dict(sorted(own.items(), key=lambda pair: (pair[1].first, pair[1].last)))
 
     def contacts_for(self, performer_id: str, clip: Clip) -> dict[str, ContactInterval]:
-        """Contacts while a performer plays a clip, by id: those of the narrowest scope at each point."""
+        """Contacts of a performer during ``clip``, by id; at each contact point those of the narrowest scope."""
         meant = in_scope_of(self.contacts_of(clip.motion_id), performer_id, clip.id)
         if not any(each.scope.is_narrow for each in meant.values()):
             return meant
@@ -327,7 +336,7 @@ class Project:
         return {key: each for contacts in own.values() for key, each in narrowest_scoped(contacts).items()}
 
     def constraints_for(self, performer_id: str, clip: Clip) -> dict[str, Constraint]:
-        """Constraints on a performer while it plays a clip, by id, highest priority first."""
+        """Constraints on a performer during ``clip``, by id, highest priority first."""
         return in_scope_of(self.constraints_of(clip.motion_id), performer_id, clip.id)
 
     def corrections_of(self, performer_id: str) -> dict[str, Correction]:
@@ -339,7 +348,7 @@ class Project:
         return next((key for key, each in self.behaviours.items() if each.role_of(performer_id)), None)
 
     def frame_rate_of(self, clip: Clip) -> float:
-        """Frame rate of the capture of a clip."""
+        """Frame rate of the capture that a clip plays."""
         return self.captures[self.motions[clip.motion_id].capture_id].frame_rate
 
     @cached_property

@@ -9,17 +9,17 @@ from typing import ClassVar
 import numpy as np
 
 from studio.core.constraints.base import BodyPoint, Vector, finite_vector
-from studio.core.constraints.carried_over import ACROSS_Y, MIRROR, is_hinged
+from studio.core.constraints.carried_over import MIRROR_TRANSFORM, Y_MIRROR_SIGNS, is_hinged
 from studio.core.constraints.follow import UNTURNED
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace, KeyedTurn, Quaternion, unit_quaternion
-from studio.core.curves.tangents import SPARSE
+from studio.core.curves.tangents import LEFT_OUT_IF_DEFAULT
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.plausible import TIME_RANGE, TURN_RANGE
 
 
 class PropShape(StrEnum):
-    """Shape of a prop within its size: a stick lies along Z, stairs rise along X."""
+    """Shape of a prop within its size; a stick lies along Z, and stairs rise along X."""
 
     BOX = "box"
     BALL = "ball"
@@ -29,17 +29,18 @@ class PropShape(StrEnum):
     MESH = "mesh"
 
 
-ACROSS_X: Vector = (-1.0, 1.0, 1.0)
-"""Signs of a held prop's axes in a mirror: its y is across the body, or its x if it is held a quarter turned."""
-PICKED = 0.01
-"""Seconds after the begin of a hold during which a prop still lies at its pick-up position."""
+X_MIRROR_SIGNS: Vector = (-1.0, 1.0, 1.0)
+"""Signs of the axes of a prop in a mirror image of its holder, if the prop's x axis lies across the body."""
+PICK_UP_SECONDS = 0.01
+"""Seconds from the begin of a hold during which the prop still lies at its pick-up position."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Hold:
-    """Hold of a prop from ``begin`` until ``end``, seconds of the stage; without them for the whole time.
+    """Hold of a prop from stage second ``begin`` to ``end``; None for no limit.
 
-    It is picked up from its position, and put down at a later key of its position, or else left where it is.
+    The prop is picked up from its own position. It is put down at a later key of that position if there is one, else it
+    stays where it is let go.
     """
 
     begin: float | None = None
@@ -59,18 +60,18 @@ class Hold:
         return self.begin is None and self.end is None
 
     def holds_at(self, time: float) -> bool:
-        """True if the prop is held by this hold at ``time``, in seconds of the stage."""
+        """True if stage second ``time`` lies within the hold."""
         return self.seconds_from(time) == 0.0
 
     def seconds_from(self, time: float) -> float:
-        """Seconds between ``time`` of the stage and the hold; 0 while it lasts."""
+        """Seconds from stage second ``time`` to the nearest moment of the hold; 0 while it lasts."""
         before = 0.0 if self.begin is None else self.begin - time
         return max(before, 0.0 if self.end is None else time - self.end, 0.0)
 
 
 @dataclass(frozen=True)
 class InHand(Hold):
-    """Hold at a point of a performer's adapted body: ``turn`` is the prop's rotation in the axes of the segment."""
+    """Hold at one point of a performer's adapted body; ``turn`` is the prop's rotation in the axes of the segment."""
 
     kind: ClassVar[str] = "in_hand"
     performer_id: str
@@ -84,29 +85,34 @@ class InHand(Hold):
     @property
     def reflection(self) -> Vector:
         """Signs of the prop's axes where a mirror image of the body holds it."""
-        return ACROSS_X if is_hinged(self.point.part) else ACROSS_Y
+        return X_MIRROR_SIGNS if is_hinged(self.point.part) else Y_MIRROR_SIGNS
 
     def mirrored(self) -> "InHand":
-        """Hold by the other side, in the mirror image of the body."""
-        return replace(self, point=MIRROR.body_point(self.point), turn=MIRROR.own_turn(self.turn, self.point.part))
+        """The hold by the other side, for the mirror image of the body."""
+        return replace(
+            self,
+            point=MIRROR_TRANSFORM.body_point(self.point),
+            turn=MIRROR_TRANSFORM.own_turn(self.turn, self.point.part),
+        )
 
 
 @dataclass(frozen=True)
 class Carried(Hold):
-    """Hold between both hands of a performer, at their positions in the motion before constraints; it rotates with the
-    chest. ``offset`` is from the middle of the hands, or from the hips if it is ``steady``, ahead, to the left and
-    up of the chest, in leg lengths; ``heading`` is its rotation about Z from the chest's heading, radians, which
-    acts after its ``tilt``. Constraints that keep the hands on the prop do not move it, so that any size can be
-    held.
+    """Hold between both hands of a performer, at the hands' positions in the motion before constraints are solved.
+
+    The prop rotates with the chest. ``offset`` (leg lengths; ahead, left and up of the chest) is from the middle of the
+    hands or, if ``steady``, from the hips. ``heading`` (radians) is the prop's rotation about Z from the chest's
+    heading, applied after its ``tilt``. Constraints that keep the hands on the prop do not move it, so a prop of any
+    size can be held.
     """
 
     kind: ClassVar[str] = "carried"
     performer_id: str
     offset: Vector = (0.0, 0.0, 0.0)
     heading: float = 0.0
-    tilt: Quaternion = field(default=UNTURNED, metadata=SPARSE)
-    steady: bool = field(default=False, metadata=SPARSE)
-    """True where the motion's hands hold nothing: gestures do not swing the prop."""
+    tilt: Quaternion = field(default=UNTURNED, metadata=LEFT_OUT_IF_DEFAULT)
+    steady: bool = field(default=False, metadata=LEFT_OUT_IF_DEFAULT)
+    """True if the hands hold nothing in the captured motion: their gestures then do not swing the prop."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -119,28 +125,29 @@ class Carried(Hold):
     @property
     def reflection(self) -> Vector:
         """Signs of the prop's axes where a mirror image of the body holds it: the axis across the body is reversed."""
-        return ACROSS_X if quarter_turns(self.heading) % 2 else ACROSS_Y
+        return X_MIRROR_SIGNS if quarter_turns(self.heading) % 2 else Y_MIRROR_SIGNS
 
     def mirrored(self) -> "Carried":
-        """Hold in the mirror image of the body."""
+        """The hold for the mirror image of the body."""
         x, y, z = self.offset
-        is_across_x = self.reflection == ACROSS_X
+        is_across_x = self.reflection == X_MIRROR_SIGNS
         tilt = np.array(self.tilt) * [*-np.array(self.reflection), 1.0]
         heading = math.remainder((math.pi if is_across_x else 0.0) - self.heading, 2.0 * math.pi)
         return replace(self, offset=(x, -y, z), heading=heading, tilt=tuple(tilt.tolist()))
 
 
 def quarter_turns(angle: float) -> int:
-    """Number of quarter turns, 0 to 3, nearest to an angle in radians."""
+    """Number of quarter turns, 0 to 3, nearest to ``angle`` in radians."""
     return round(2.0 * angle / math.pi) % 4
 
 
 @dataclass(frozen=True)
 class Prop:
-    """Object of ``size`` metres, centred at ``position``, rotated by ``tilt`` and then by ``heading`` about Z.
+    """Object on the stage of ``size`` metres, centred at ``position``, rotated by ``tilt`` and then by ``heading``
+    about Z.
 
-    Keys and rules count seconds of the stage. ``held`` is its hold, during which the holder moves it; ``later`` are the
-    following holds: one that begins as another ends takes it out of the other's hands.
+    Keyed values count stage seconds. ``held`` is the first hold, during which the holder moves the prop; ``later`` has
+    the following ones. A hold that begins when another ends takes the prop out of the other's hands.
     """
 
     name: str
@@ -152,7 +159,7 @@ class Prop:
     """Mesh of ``PropShape.MESH``, fitted into the size."""
     held: InHand | Carried | None = None
     later: tuple[InHand | Carried, ...] = ()
-    tilt: Quaternion | KeyedTurn = field(default=UNTURNED, metadata=SPARSE)
+    tilt: Quaternion | KeyedTurn = field(default=UNTURNED, metadata=LEFT_OUT_IF_DEFAULT)
 
     def __post_init__(self) -> None:
         if not isinstance(self.tilt, KeyedTurn):
@@ -180,27 +187,28 @@ class Prop:
 
     @property
     def holders(self) -> frozenset[str]:
-        """Performers that hold the prop at some time."""
+        """Ids of the performers that hold the prop at some time."""
         return frozenset(each.performer_id for each in self.holds)
 
     def held_at(self, time: float) -> InHand | Carried | None:
-        """Latest hold in force at ``time``, in seconds of the stage; None if nobody holds the prop."""
+        """Latest hold that lasts at stage second ``time``; None if nobody holds the prop."""
         return next((each for each in reversed(self.holds) if each.holds_at(time)), None)
 
     def reflection_by(self, performer_id: str, time: float) -> Vector | None:
-        """Signs of the axes where a performer's mirror image holds it, by the hold nearest to ``time``; None if that
-        performer never holds it.
+        """Signs of the prop's axes where a performer's mirror image holds it; None if that performer never does.
+
+        Of several holds of the performer, the one nearest to stage second ``time`` counts.
         """
         own = [each for each in self.holds if each.performer_id == performer_id]
         return min(own, key=lambda hold: hold.seconds_from(time)).reflection if own else None
 
     def lies_at(self, time: float) -> bool:
-        """True if the prop is at its own position at ``time``, in seconds of the stage: not held, or just picked up."""
+        """True if at stage second ``time`` the prop is at its own position: not held, or only just picked up."""
         hold = self.held_at(time)
-        return hold is None or (hold is self.held and hold.begin is not None and time - hold.begin < PICKED)
+        return hold is None or (hold is self.held and hold.begin is not None and time - hold.begin < PICK_UP_SECONDS)
 
     def with_holds(self, holds: Sequence[InHand | Carried]) -> "Prop":
-        """Copy with other holds, in order of time."""
+        """Copy with ``holds``, given in order of time, in place of all holds."""
         return replace(self, held=holds[0] if holds else None, later=tuple(holds[1:]))
 
     def with_hold(self, old: InHand | Carried, new: InHand | Carried) -> "Prop":
@@ -232,7 +240,7 @@ class Prop:
         return self.with_holds(holds)
 
     def taken(self, hold: InHand | Carried, time: float) -> "Prop":
-        """Copy taken by ``hold`` at ``time``, out of the hands of the present holder. Later holds are removed."""
+        """Copy in which ``hold`` takes the prop at ``time`` from the present holder. Later holds are removed."""
         before = [each for each in self.holds if each.begin is None or each.begin < time]
         ended = [replace(each, end=time if each.end is None else min(each.end, time)) for each in before]
         return self.with_holds([*ended, replace(hold, begin=time)])

@@ -1,4 +1,4 @@
-"""Surfaces of props in a unit cube of one metre, scaled to a prop's size."""
+"""Surfaces of props in a cube of one metre, which are scaled to the size of a prop."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -13,9 +13,10 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 PROP_COLOUR = "#8a8f96"
-TABLE_TOP, TABLE_LEG = 0.08, 0.09
-"""Thickness of a table's top as a fraction of its height, and of its legs as a fraction of its length and width."""
-ROUNDING_STEPS = 4
+TABLE_TOP_FRACTION, TABLE_LEG_FRACTION = 0.08, 0.09
+"""Thickness of a table top as a fraction of the table's height, and of a leg as a fraction of length and width."""
+STAIR_COUNT = 4
+"""Number of steps of stairs."""
 _AROUND, _DOWN = 36, 24
 """Edges of a ball around its axis and from pole to pole."""
 _SIDES = 24
@@ -24,7 +25,8 @@ _SIDES = 24
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """``vertices`` (V, 3) with unit ``normals`` (V, 3), and ``triangles`` (T, 3), counter-clockwise from outside.
+    """Triangle mesh for display: ``vertices`` (V, 3), unit ``normals`` (V, 3) and ``triangles`` (T, 3), seen
+    counter-clockwise from outside.
 
     Faces share no vertices where edges are sharp.
     """
@@ -44,32 +46,40 @@ def prop_surface(prop: Prop) -> Surface:
 
 @cache
 def unit_surface(shape: PropShape) -> Surface:
-    """Surface of a shape within the cube; a box for a prop with its own mesh."""
+    """Surface of a shape in a cube of one metre; a box for a prop with its own mesh."""
     match shape:
         case PropShape.BALL:
             return _ball()
         case PropShape.STICK:
             return _stick()
         case PropShape.TABLE:
-            legs = [(x, y) for x in (-0.5, 0.5 - TABLE_LEG) for y in (-0.5, 0.5 - TABLE_LEG)]
-            top = ((-0.5, -0.5, 0.5 - TABLE_TOP), (0.5, 0.5, 0.5))
-            return _boxes([top, *(((x, y, -0.5), (x + TABLE_LEG, y + TABLE_LEG, 0.5 - TABLE_TOP)) for x, y in legs)])
+            legs = [(x, y) for x in (-0.5, 0.5 - TABLE_LEG_FRACTION) for y in (-0.5, 0.5 - TABLE_LEG_FRACTION)]
+            top = ((-0.5, -0.5, 0.5 - TABLE_TOP_FRACTION), (0.5, 0.5, 0.5))
+            return _boxes(
+                [
+                    top,
+                    *(
+                        ((x, y, -0.5), (x + TABLE_LEG_FRACTION, y + TABLE_LEG_FRACTION, 0.5 - TABLE_TOP_FRACTION))
+                        for x, y in legs
+                    ),
+                ]
+            )
         case PropShape.STAIRS:
-            edges = np.linspace(-0.5, 0.5, ROUNDING_STEPS + 1).tolist()
-            return _boxes([((edges[k], -0.5, -0.5), (edges[k + 1], 0.5, edges[k + 1])) for k in range(ROUNDING_STEPS)])
+            edges = np.linspace(-0.5, 0.5, STAIR_COUNT + 1).tolist()
+            return _boxes([((edges[k], -0.5, -0.5), (edges[k + 1], 0.5, edges[k + 1])) for k in range(STAIR_COUNT)])
     return _boxes([((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))])
 
 
 def fitted_to_cube(mesh: TriangleMesh) -> FloatArray:
-    """(V, 3) vertices of a mesh centred in the cube and scaled to it in every direction in which the
-    mesh is not flat.
+    """Vertices (V, 3) of a mesh, centred in the cube of one metre and scaled to it in every direction in which the mesh
+    is not flat.
     """
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     return np.asarray((mesh.vertices - (low + high) / 2) / np.where(high - low > 1e-9, high - low, 1.0))
 
 
 def _flat(mesh: TriangleMesh) -> Surface:
-    """Mesh whose faces do not share vertices."""
+    """Surface of a mesh with flat shading: its faces do not share vertices."""
     corners = fitted_to_cube(mesh)[mesh.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
@@ -105,7 +115,7 @@ def _grid(rows: int, columns: int) -> IntArray:
 
 
 def _boxes(corners: list[tuple[tuple[float, ...], tuple[float, ...]]]) -> Surface:
-    """Boxes from one corner to the opposite one; their faces do not share vertices."""
+    """Surface of boxes, each given by two opposite corners; their faces do not share vertices."""
     two = np.array([[0, 1, 2], [0, 2, 3]])
     return _joined(
         [

@@ -1,4 +1,4 @@
-"""Cameras of the stage: the placement of a camera about a target, and saved cameras with names."""
+"""Cameras of the stage: the placement of a camera relative to its target, and saved cameras with names."""
 
 import math
 from dataclasses import dataclass
@@ -14,18 +14,21 @@ FloatArray = NDArray[np.float64]
 
 VIEW_ANGLE = math.radians(30.0)
 """Vertical angle of view of every camera."""
-CAMERA_ASPECT, NEAREST_SEEN, FARTHEST_SEEN = 16 / 9, 0.02, 1000.0
-"""Width by height of a picture, and metres from a camera to what is seen, in files of other programs."""
+CAMERA_ASPECT, CAMERA_NEAR_METRES, CAMERA_FAR_METRES = 16 / 9, 0.02, 1000.0
+"""Aspect ratio (width by height), near plane and far plane in metres of cameras in exported files."""
 CAMERA_AZIMUTH, CAMERA_ELEVATION = math.radians(-52.0), math.radians(13.0)
+"""Azimuth and elevation in radians of a new camera."""
 CAMERA_DISTANCE_RANGE = Range("The distance of a camera", 1e5, least=1e-3)
 CAMERA_SLOTS = (1, 2, 3, 4)
-"""Numbers of the keys that recall saved cameras."""
+"""Numbers of the keys that recall a saved camera."""
 
 
 @dataclass(frozen=True)
 class CameraPlacement:
-    """Camera that looks at ``target`` (stage) from ``distance`` metres, rotated by ``azimuth`` and ``elevation``
-    (radians).
+    """Camera that looks at ``target`` (stage, metres) from ``distance`` metres, at ``azimuth`` and ``elevation`` in
+    radians.
+
+    ``parallel`` is True for a parallel projection.
     """
 
     target: tuple[float, float, float] = (0.0, 0.0, 0.9)
@@ -36,26 +39,26 @@ class CameraPlacement:
 
     @cached_property
     def axes(self) -> FloatArray:
-        """(3, 3) rows: right, up and towards the viewer, in stage space."""
+        """Axes of the camera as rows (3, 3) in stage space: right, up, and towards the viewer."""
         ca, sa = math.cos(self.azimuth), math.sin(self.azimuth)
         ce, se = math.cos(self.elevation), math.sin(self.elevation)
         return np.array([[-sa, ca, 0.0], [-se * ca, -se * sa, ce], [ce * ca, ce * sa, se]])
 
     @cached_property
     def eye(self) -> FloatArray:
-        """(3,) position of the camera, stage space."""
+        """Position (3,) of the camera in stage space."""
         eye: FloatArray = np.asarray(self.target) + self.distance * self.axes[2]
         return eye
 
     @property
     def half_height(self) -> float:
-        """Distance in metres from the middle of the picture to its upper edge, at the target."""
+        """Half of the height in metres that the picture shows at the distance of the target."""
         return self.distance * math.tan(VIEW_ANGLE / 2)
 
 
 @dataclass(frozen=True)
 class SavedCamera:
-    """Placement with a name, recalled by the key of its ``slot`` if it has one."""
+    """Named camera placement, recalled by the number key ``slot`` if it has one."""
 
     name: str
     placement: CameraPlacement

@@ -12,22 +12,23 @@ from studio.core.plausible import TIME_RANGE
 FloatArray = NDArray[np.float64]
 
 PEAK_RATE = 100.0
-"""Peaks of a waveform a second."""
+"""Number of waveform peaks per second of sound."""
 LOUDEST_PEAK = 255
-MOST_SOUND_SECONDS = 3600.0
+LONGEST_SOUND_SECONDS = 3600.0
+"""Maximum length of a sound in seconds."""
 
 
 @dataclass(frozen=True)
 class SoundTrack:
-    """Sound of a file from second ``start`` of the stage on."""
+    """Sound of a file that plays from stage second ``start`` on."""
 
     name: str
     source: str
     """Path of the file."""
     peaks: tuple[int, ...]
-    """Loudest value of each hundredth of a second, 0 to 255."""
+    """Loudest sample of each hundredth of a second, 0 to 255."""
     beats: tuple[float, ...] = ()
-    """Seconds of the sound at which it sets in anew, ascending."""
+    """Times of the beats in seconds of the sound, ascending."""
     start: float = 0.0
 
     def __post_init__(self) -> None:
@@ -39,15 +40,15 @@ class SoundTrack:
 
     @property
     def end(self) -> float:
-        """Second of the stage at which it ends."""
+        """Stage second at which the sound ends."""
         return self.start + len(self.peaks) / PEAK_RATE
 
     @property
     def stage_beats(self) -> tuple[float, ...]:
-        """Times of its beats in seconds of the stage."""
+        """Times of the beats in stage seconds."""
         return tuple(self.start + beat for beat in self.beats)
 
     @cached_property
     def loudness(self) -> FloatArray:
-        """(N,) peaks from 0 to 1."""
+        """Waveform peaks (N,), scaled to 0 to 1."""
         return np.asarray(self.peaks, dtype=np.float64) / LOUDEST_PEAK

@@ -1,4 +1,4 @@
-"""Default stage: one capture, performed by some characters side by side."""
+"""Default stage: one capture, performed by several characters side by side."""
 
 import math
 from collections.abc import Mapping
@@ -16,23 +16,27 @@ from studio.core.mesh.character import Character
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Motion, Performer, Project
 
-SPACING = 1.15
-"""Metres from one performer to the next."""
-ROW_STEP = 0.5 * SPACING
-"""Metres by which neighbours that sweep more than usual stand farther apart."""
+PERFORMER_SPACING = 1.15
+"""Distance in metres from one performer to the next."""
+ROW_STEP = 0.5 * PERFORMER_SPACING
+"""Step in metres in which the spacing grows for neighbours that need more than ``PERFORMER_SPACING``."""
 JOINT_CLEARANCE = 0.3
-"""Metres across a row between the joints of two neighbours at any time: hands, feet and flesh go beyond them."""
-LEAST_TRAVEL = 1.0
-"""Metres; a motion that goes less far has no direction of travel."""
+"""Least distance in metres, across a row, between the joints of two neighbours at any time; hands, feet and flesh reach
+beyond the joints.
+"""
+LEAST_TRAVEL_METRES = 1.0
+"""Distance in metres; a motion that stays nearer to its start has no direction of travel."""
 HEADING_SAMPLES, SWEEP_SAMPLES = 64, 1024
-"""Most frames of a capture that are looked at for its heading, and for what it sweeps."""
+"""Maximum number of sampled frames of a capture: for its heading, and for the space that it sweeps."""
 
 
-def side_by_side(characters: Mapping[str, Character], clips: tuple[Clip, ...] = ()) -> dict[str, Performer]:
-    """One performer for each character, under the same id, in a row across the direction of the motion."""
+def performers_side_by_side(characters: Mapping[str, Character], clips: tuple[Clip, ...] = ()) -> dict[str, Performer]:
+    """Performers of ``characters``, under the same ids, in a row across the direction of the motion; each plays
+    ``clips``.
+    """
     middle = (len(characters) - 1) / 2
     return {
-        key: Performer(character.name, key, clips, (0.0, SPACING * (middle - place)))
+        key: Performer(character.name, key, clips, (0.0, PERFORMER_SPACING * (middle - place)))
         for place, (key, character) in enumerate(characters.items())
     }
 
@@ -40,7 +44,7 @@ def side_by_side(characters: Mapping[str, Character], clips: tuple[Clip, ...] = 
 def travel_heading(capture: Capture, first: int, last: int) -> float | None:
     """Heading in radians in which the body travels from frame ``first`` to ``last``; None if it stays in place.
 
-    It points to the farthest position of the root from its beginning, so that a walk there and back has one as well.
+    It points from the root's first position to its farthest, so that a walk there and back has a heading too.
     """
     if capture.body_map is None:
         return None
@@ -48,8 +52,9 @@ def travel_heading(capture: Capture, first: int, last: int) -> float | None:
 
 
 def swept_points(capture: Capture, first: int, last: int) -> NDArray[np.float64] | None:
-    """Points (T, P, 2) on the ground below the joints of a body from frame ``first`` to ``last``, from the root in the
-    first one, in leg lengths of the actor; None without a body map.
+    """Horizontal positions (T, P, 2) of all joints from frame ``first`` to ``last``, in leg lengths of the actor.
+
+    They are relative to the root in the first frame. None if the capture has no body map.
     """
     if capture.body_map is None:
         return None
@@ -68,19 +73,19 @@ def _sampled_positions(capture: Capture, first: int, last: int, count: int) -> N
 
 
 def path_heading(path: NDArray[np.float64]) -> float | None:
-    """Heading in radians from the begin of a ``path`` (T, 2) in metres to its farthest point; None if that is near."""
+    """Heading in radians from the begin of ``path`` (T, 2), metres, to its farthest point; None if no point is far."""
     ways = path - path[0]
     x, y = ways[np.argmax(np.linalg.norm(ways, axis=1))].tolist()
-    return math.atan2(y, x) if math.hypot(x, y) >= LEAST_TRAVEL else None
+    return math.atan2(y, x) if math.hypot(x, y) >= LEAST_TRAVEL_METRES else None
 
 
-def lined_up(
+def performers_in_row(
     performers: Mapping[str, Performer], travel: float, sweeps: Mapping[str, NDArray[np.float64]] | None = None
 ) -> dict[str, Performer]:
-    """Performers in a row across heading ``travel`` about their middle, in their present order across it.
+    """Performers moved into a row across the heading ``travel``, about their middle, in their present order.
 
-    They all face as their motion does. ``sweeps`` (T, P, 2), metres, are points of their bodies at the same times, from
-    their positions: neighbours stand so far apart that no time has them overlap across the row.
+    All face along their motion. ``sweeps`` (T, P, 2), metres, has by performer points of the body at the same times,
+    relative to the performer's position: neighbours stand so far apart that they never overlap across the row.
     """
     across = np.array([-math.sin(travel), math.cos(travel)])
     keys, places = list(performers), np.array([each.position for each in performers.values()])
@@ -96,16 +101,24 @@ def lined_up(
 
 
 def _spacing(left: NDArray[np.float64] | None, right: NDArray[np.float64] | None) -> float:
-    """Metres from one performer to the next on its right, whose points reach (T, P) metres to the left."""
+    """Distance in metres from a performer to its right neighbour; ``left`` and ``right`` (T, P) are positions across
+    the row of their points.
+    """
     if left is None or right is None:
-        return SPACING
+        return PERFORMER_SPACING
     count = min(len(left), len(right))
     overlap = float((right[:count].max(axis=1) - left[:count].min(axis=1)).max(initial=-math.inf))
-    return max(SPACING, ROW_STEP * math.ceil((overlap + JOINT_CLEARANCE) / ROW_STEP)) if count else SPACING
+    return (
+        max(PERFORMER_SPACING, ROW_STEP * math.ceil((overlap + JOINT_CLEARANCE) / ROW_STEP))
+        if count
+        else PERFORMER_SPACING
+    )
 
 
 def is_unarranged(performers: Mapping[str, Performer]) -> bool:
-    """True if the performers are in a row as placed by ``side_by_side`` or ``lined_up``; some may be missing."""
+    """True if the performers stand as ``performers_side_by_side`` or ``performers_in_row`` placed them; some may be
+    missing.
+    """
     direction = row_direction(performers)
     if direction is None:
         return False
@@ -115,7 +128,7 @@ def is_unarranged(performers: Mapping[str, Performer]) -> bool:
 
 
 def row_direction(performers: Mapping[str, Performer]) -> NDArray[np.float64] | None:
-    """Unit vector (2,) on the ground from the first performer to the far end of their row; None if they form none."""
+    """Unit vector (2,) on the ground from the first performer to the far end of the row; None if they form no row."""
     places = np.array([each.position for each in performers.values()])
     if len(places) < 2 or any(each.heading for each in performers.values()):
         return None
@@ -127,16 +140,17 @@ def row_direction(performers: Mapping[str, Performer]) -> NDArray[np.float64] | 
     return direction if np.allclose(row, np.outer(row @ direction, direction), atol=1e-6) else None
 
 
-def end_of_row(
+def next_row_position(
     performers: Mapping[str, Performer],
     gaps: Mapping[str, float],
     sweeps: Mapping[str, NDArray[np.float64]] | None = None,
     own: NDArray[np.float64] | None = None,
 ) -> tuple[float, float]:
-    """Position in metres for one more performer beyond the end of their row.
+    """Position in metres of one more performer beyond the end of the row.
 
-    ``gaps`` are the metres that it must keep from each of them, ``sweeps`` what they sweep as in ``lined_up``, and
-    ``own`` (T, P, 2) what it sweeps itself. Performers who form no row are taken as one across heading 0.
+    ``gaps`` are the distances in metres to keep from each performer by id. ``sweeps`` and ``own`` (T, P, 2), metres,
+    are points of the bodies and of the new body over time. Performers that form no row are treated as a row across
+    heading 0.
     """
     if not performers:
         return 0.0, 0.0
@@ -149,18 +163,18 @@ def end_of_row(
     return x, y
 
 
-def staged(
+def project_of_capture(
     capture: Capture, contacts: tuple[ContactInterval, ...], characters: Mapping[str, Character], motion_id: str
 ) -> Project:
-    """Project in which every character performs the capture from the begin of its motion to its last frame.
+    """Project in which every character performs ``capture`` from the begin of its motion to its last frame.
 
-    ``contacts`` are those of ``motion_id``, the id of both capture and motion.
+    ``contacts`` are those of ``motion_id``, which is the id of both capture and motion.
     """
     clips = (Clip(motion_id, capture.first_frame, capture.frame_count - 1, id=f"{motion_id} clip"),)
     return Project(
         captures={motion_id: capture},
         motions={motion_id: Motion(capture.name, motion_id)},
         characters=characters,
-        performers=side_by_side(characters, clips),
+        performers=performers_side_by_side(characters, clips),
         contacts={f"contact {place}": contact for place, contact in enumerate(contacts)},
     )

@@ -8,8 +8,9 @@ from numpy.typing import ArrayLike, NDArray
 
 @dataclass(frozen=True)
 class Timing:
-    """Frame 0 is at ``begin`` seconds of the stage; frames ``first`` to ``last`` play, and their poses are held before
-    and after.
+    """Times of a motion on the stage: frame 0 is at second ``begin``, and the frames ``first`` to ``last`` play.
+
+    The poses of these two frames are held before and after.
     """
 
     begin: float
@@ -19,23 +20,23 @@ class Timing:
 
     @property
     def start(self) -> float:
-        """Time on the stage of its first frame, seconds."""
+        """Stage second of the first frame."""
         return self.stage_time(self.first)
 
     @property
     def end(self) -> float:
-        """Time on the stage of its last frame, seconds."""
+        """Stage second of the last frame."""
         return self.stage_time(self.last)
 
     def stage_time(self, frame: float) -> float:
-        """Time on the stage of a frame, seconds."""
+        """Stage second of ``frame``."""
         return self.begin + frame / self.frame_rate
 
     def frame_at(self, seconds: float) -> float:
-        """Frame, with a fraction, at a time of the stage."""
+        """Frame, with a fraction, at stage second ``seconds``."""
         return float(self.frames_at([seconds])[0])
 
     def frames_at(self, seconds: ArrayLike) -> NDArray[np.float64]:
-        """(N,) frames, with fractions, at times of the stage."""
+        """Frames (N,), with fractions, at stage ``seconds`` (N,)."""
         frames = (np.asarray(seconds, dtype=np.float64) - self.begin) * self.frame_rate
         return np.asarray(np.clip(frames, self.first, self.last))

@@ -12,7 +12,7 @@ from studio.core.captures.confidence import Confidence
 from studio.core.errors import StudioError
 from studio.core.rotations import from_euler, inverse, multiply
 from studio.io.acclaim.motion import read_amc
-from studio.io.acclaim.skeleton import ROOT, read_asf
+from studio.io.acclaim.skeleton import ASF_ROOT_NAME, read_asf
 from studio.io.bvh.capture import capture_of
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
@@ -25,37 +25,37 @@ _RATE = 120.0
 
 @dataclass(frozen=True)
 class AcclaimFile:
-    """Moving joints of a skeleton, in the files' own units and axes."""
+    """Motion of an AMC file on the joints of its ASF skeleton, in the files' own units and axes."""
 
     skeleton: Skeleton
     rotations: FloatArray
-    """(F, J, 4) in the parent."""
+    """Local rotations (F, J, 4), relative to the parent."""
     translations: FloatArray
-    """(F, J, 3) in the parent."""
+    """Local translations (F, J, 3), in the parent's axes."""
     repairs: tuple[str, ...]
     frame_time: float = 1.0 / _RATE
     frame_time_digit: float = 1e-9
 
     @property
     def frame_count(self) -> int:
-        """Frames F."""
+        """Number of frames F."""
         return len(self.rotations)
 
     @property
-    def said_unit(self) -> None:
-        """None: a ``length`` of 0.45 is a scale of the program that wrote it, not a unit."""
+    def stated_unit(self) -> None:
+        """None: the ``length`` of an ASF file is a scale of the program that wrote it, not a unit."""
 
     @property
-    def said_axis(self) -> None:
-        """None: the format has no word for it."""
+    def stated_up_axis(self) -> None:
+        """None: the format has no field for the up axis."""
 
     def transforms(self, frames: NDArray[np.int64] | slice) -> tuple[FloatArray, FloatArray]:
-        """Local rotations (N, J, 4) and translations (N, J, 3) of these frames."""
+        """Local rotations (N, J, 4) and translations (N, J, 3) of ``frames`` (N,)."""
         return self.rotations[frames], self.translations[frames]
 
 
 def load_acclaim(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
-    """Capture of the AMC file at ``path`` on the skeleton of the ASF file for it in its folder."""
+    """Capture of the AMC file at ``path`` on the skeleton of the matching ASF file in its folder."""
     file = read_acclaim(path, lambda share, text: progress(0.6 * share, text))
 
     def interpret(options: ImportOptions, progress: Progress) -> Capture:
@@ -69,7 +69,7 @@ def load_acclaim(path: Path, options: ImportOptions, progress: Progress) -> Read
 
 
 def read_acclaim(path: Path, progress: Progress = lambda share, text: None) -> AcclaimFile:
-    """The file at ``path`` with its skeleton; raises StudioError with file, line and what to do."""
+    """Content of the AMC file at ``path`` with its skeleton. Raises StudioError with file, line and what to do."""
     progress(0.0, f"Reading {path.name}")
     repairs: list[str] = []
     body = read_asf(_skeleton_of(path, repairs))
@@ -96,15 +96,17 @@ def read_acclaim(path: Path, progress: Progress = lambda share, text: None) -> A
             axes = body.axes[joint]
             # The root has its own turn before that of the motion, a bone turns about axes that stay with its parent.
             rotations[:, joint] = (
-                multiply(turned, axes) if name == ROOT else multiply(multiply(axes, turned), inverse(axes))
+                multiply(turned, axes) if name == ASF_ROOT_NAME else multiply(multiply(axes, turned), inverse(axes))
             )
     progress(1.0, f"Read {path.name}")
     return AcclaimFile(skeleton, rotations, translations, (*repairs, *motion.repairs))
 
 
 def _skeleton_of(path: Path, repairs: list[str]) -> Path:
-    """ASF file in the folder of the motion: of its name, of a prefix of it (``07.asf`` for ``07_01.amc``), or the only
-    one. Raises StudioError if ``path`` is a skeleton itself, or has none.
+    """Path of the ASF file in the folder of the motion: with its name, a prefix of it (``07.asf`` for ``07_01.amc``),
+    or the only one.
+
+    Raises StudioError if ``path`` is a skeleton itself, or has none.
     """
     if path.suffix.lower() == ".asf":
         raise StudioError(f"{path.name} is a skeleton without a motion. Choose the AMC file that moves it.")

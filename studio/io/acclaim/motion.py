@@ -1,4 +1,4 @@
-"""AMC files: for each frame a line for each bone, with the numbers announced by the skeleton's ``dof``."""
+"""AMC files: for each frame one line for each bone, with the numbers announced by the skeleton's ``dof``."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
-from studio.io.acclaim.skeleton import DEGREES
+from studio.io.acclaim.skeleton import ANGLE_UNIT_IS_DEGREES
 from studio.io.numbers import count_per_line, filled_in_time, lines_of, table
 from studio.io.referenced_files import read_bytes
 
@@ -25,7 +25,7 @@ class AmcMotion:
     """Content of an AMC file, as written."""
 
     values: Mapping[str, FloatArray]
-    """For each bone that moves (F, C), in the order of its channels."""
+    """Numbers (F, C) of each moving bone, in the order of its channels."""
     frame_count: int
     degrees: bool
     repairs: tuple[str, ...]
@@ -34,9 +34,9 @@ class AmcMotion:
 def read_amc(
     path: Path, channels: Mapping[str, tuple[str, ...]], degrees: bool, progress: Callable[[float], object]
 ) -> AmcMotion:
-    """Motion in the file at ``path`` of bones with ``channels``; raises StudioError with file and line.
+    """Motion in the file at ``path`` of bones with ``channels``. Raises StudioError with file and line.
 
-    ``degrees`` is used if the file itself does not give the unit of its angles.
+    ``degrees`` is used if the file itself does not state the unit of its angles.
     """
     lines = lines_of(read_bytes(path, _LARGEST))
     start, said = _header(lines)
@@ -84,19 +84,21 @@ def read_amc(
 
 
 def _header(lines: list[bytes]) -> tuple[int, bool | None]:
-    """Number of lines before the frames (comments and keywords), and True if one says that angles are in degrees."""
+    """Number of lines before the frames (comments and keywords); and True for degrees, False for radians, None if
+    unstated.
+    """
     degrees: bool | None = None
     for place, line in enumerate(lines):
         text = line.decode("utf-8-sig", "replace").strip()
         if text.startswith(":"):
-            degrees = DEGREES.get(text[1:].lower(), degrees)
+            degrees = ANGLE_UNIT_IS_DEGREES.get(text[1:].lower(), degrees)
         elif text and not text.startswith("#"):
             return place, degrees
     return len(lines), degrees
 
 
 def _strangers(file: str, names: list[str], channels: Mapping[str, tuple[str, ...]]) -> list[str]:
-    """Sentence about bones that move although the skeleton lacks them, or gives them no degrees of freedom."""
+    """Error message about bones that move although the skeleton lacks them, or gives them no degrees of freedom."""
     unknown = [name for name in dict.fromkeys(names) if name and not channels.get(name)]
     if not unknown:
         return []
@@ -118,7 +120,7 @@ def _ends_within_a_frame(frames: NDArray[np.int64], short: NDArray[np.bool_]) ->
 def _whole(
     file: str, name: str, channels: tuple[str, ...], course: FloatArray, degrees: bool, repairs: list[str]
 ) -> FloatArray:
-    """``course`` (F, C) with missing numbers interpolated from the frames around; a bone without numbers rests."""
+    """Numbers ``course`` (F, C) with missing ones interpolated from the frames around; a bone without numbers rests."""
     missing = ~np.isfinite(course)
     if not missing.any():
         return course

@@ -19,8 +19,9 @@ from studio.io.referenced_files import read_bytes
 
 FloatArray = NDArray[np.float64]
 
-ROOT = "root"
-DEGREES = {"deg": True, "degree": True, "degrees": True, "rad": False, "radian": False, "radians": False}
+ASF_ROOT_NAME = "root"
+ANGLE_UNIT_IS_DEGREES = {"deg": True, "degree": True, "degrees": True, "rad": False, "radian": False, "radians": False}
+"""True for the words of an ASF or AMC file that mean degrees, False for those that mean radians."""
 _CHANNELS = ("tx", "ty", "tz", "rx", "ry", "rz", "l")
 _MOST_BONES = 4096
 _LARGEST = 1 << 24
@@ -31,18 +32,18 @@ class AsfSkeleton:
     """Joints of an ASF file in its own units and axes: each bone begins at the joint with its name."""
 
     skeleton: Skeleton
-    """Ends of bones are end sites; with all rotations zero the body stands as the file defines it."""
+    """Skeleton with the ends of bones as end sites; with all rotations zero the body stands as the file defines it."""
     axes: FloatArray
-    """(J, 4) the rotation C of each joint's axes of motion."""
+    """Rotations C (J, 4) of the axes of motion of each joint."""
     channels: tuple[tuple[str, ...], ...]
-    """For each joint what an AMC file says of it, in its order: ``tx`` to ``tz``, ``rx`` to ``rz``, ``l``."""
+    """Numbers that an AMC file has for each joint, in its order: ``tx`` to ``tz``, ``rx`` to ``rz``, ``l``."""
     degrees: bool
-    """True if angles are in degrees where the motion does not say."""
+    """True if angles are in degrees unless the motion states another unit."""
 
 
 @dataclass(frozen=True)
 class _Line:
-    """Words of one line, and its place: ``07.asf, line 12``."""
+    """Words of one line, and its position in the file: ``07.asf, line 12``."""
 
     where: str
     words: list[str]
@@ -56,17 +57,19 @@ class _Line:
 
 @dataclass
 class _Bone:
+    """Bone of an ASF file."""
+
     where: str
     name: str = ""
     end: FloatArray = field(default_factory=lambda: np.zeros(3))
-    """From its beginning to its end."""
+    """Vector from its begin to its end."""
     axes: FloatArray = field(default_factory=lambda: IDENTITY_QUATERNION)
     channels: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class _Joint:
-    """Beginning of ``bone``, or its end, in the skeleton that is being assembled."""
+    """Begin or end of ``bone`` in the skeleton that is being built."""
 
     bone: _Bone
     parent: int
@@ -75,7 +78,7 @@ class _Joint:
 
 
 def read_asf(path: Path) -> AsfSkeleton:
-    """The skeleton in the file at ``path``; raises StudioError with file, line and what to do."""
+    """Skeleton in the file at ``path``. Raises StudioError with file, line and what to do."""
     sections = _sections(path.name, read_bytes(path, _LARGEST).decode("utf-8-sig", "replace"))
     degrees = _in_degrees(sections.get("units", []))
     root = _root(path.name, sections.get("root"), degrees)
@@ -102,13 +105,13 @@ def _sections(name: str, text: str) -> dict[str, list[_Line]]:
 
 def _in_degrees(lines: list[_Line]) -> bool:
     said = [line.words[1].lower() for line in lines if line.words[0].lower() == "angle" and len(line.words) > 1]
-    return DEGREES.get(said[0], True) if said else True
+    return ANGLE_UNIT_IS_DEGREES.get(said[0], True) if said else True
 
 
 def _root(name: str, lines: list[_Line] | None, degrees: bool) -> _Bone:
     if lines is None:
         raise StudioError(f"{name}: it has no :root section. Choose a complete ASF file.")
-    root = _Bone(f"{name}, :root", ROOT)
+    root = _Bone(f"{name}, :root", ASF_ROOT_NAME)
     order, turn = "XYZ", [0.0, 0.0, 0.0]
     root.channels = ("tx", "ty", "tz", "rx", "ry", "rz")
     for line in lines:
@@ -165,7 +168,7 @@ def _order(line: _Line, words: list[str]) -> str:
 
 
 def _turned(order: str, angles: list[float], degrees: bool) -> FloatArray:
-    """Rotation by ``angles`` about fixed x, y and z, applied in this order."""
+    """Rotation by ``angles`` about the fixed axes x, y and z, applied in ``order``."""
     turns = np.array([angles["XYZ".index(axis)] for axis in reversed(order)])
     return from_euler(order[::-1], np.radians(turns) if degrees else turns)
 
@@ -190,7 +193,7 @@ def _parents(name: str, lines: list[_Line] | None, bones: dict[str, _Bone]) -> d
             if word not in bones:
                 raise StudioError(f"{line.where}: there is no bone called '{word[:40]}'. Correct that line.")
         for child in line.words[1:]:
-            if child in parents or child == ROOT:
+            if child in parents or child == ASF_ROOT_NAME:
                 raise StudioError(f"{line.where}: '{child[:40]}' hangs there a second time. Correct that line.")
             parents[child] = line.words[0]
     if not parents:

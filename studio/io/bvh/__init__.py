@@ -1,1 +1,1 @@
-"""BVH, text of joints and their channels: read, interpreted as a capture, written."""
+"""BVH files (text of joints and their channels): read, interpreted as a capture, and written."""

@@ -1,4 +1,4 @@
-"""BVH file as a capture."""
+"""Interpretation of recordings of joints, such as a BVH file, as captures."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -28,10 +28,10 @@ from studio.io.capture_guesses import (
     with_sides_right,
 )
 from studio.io.figure.body_maps import find_body, loose_feet, loose_hands
-from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_and_trunk
+from studio.io.guessing import Scale, choose_unit, guess_frame_rate, leg_and_trunk
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
-from studio.io.up_axis import BVH_UP_PRIOR, BodyPoints, axis_called, guess_up_axis, stated_axis, turn_to_world
+from studio.io.up_axis import BVH_UP_PRIOR, BodyPoints, guess_up_axis, parse_axis, stated_axis_prior, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
@@ -54,24 +54,24 @@ class JointRecording(Protocol):
     @property
     def repairs(self) -> tuple[str, ...]: ...
     @property
-    def said_unit(self) -> Scale | None:
-        """Unit given by the file."""
+    def stated_unit(self) -> Scale | None:
+        """Unit that the file states; None if it states none."""
 
     @property
-    def said_axis(self) -> str | None:
-        """Up axis given by the file."""
+    def stated_up_axis(self) -> str | None:
+        """Up axis that the file states; None if it states none."""
 
     def transforms(self, frames: NDArray[np.int64] | slice) -> tuple[FloatArray, FloatArray]:
-        """Local rotations (N, J, 4) and translations (N, J, 3) of these frames."""
+        """Local rotations (N, J, 4) and translations (N, J, 3) of ``frames`` (N,)."""
 
 
 def load_bvh(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
     """Capture of the BVH file at ``path``."""
-    return read_of(read_bvh(path, lambda share, text: progress(0.6 * share, text)), path, options, progress)
+    return read_capture_of(read_bvh(path, lambda share, text: progress(0.6 * share, text)), path, options, progress)
 
 
-def read_of(file: JointRecording, path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
-    """``capture_of`` a recording, with a function that interprets the same recording with other options."""
+def read_capture_of(file: JointRecording, path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
+    """Capture of a recording, and a function that interprets the same recording with other options."""
 
     def interpret(options: ImportOptions, progress: Progress) -> Capture:
         return capture_of(file, path, options, progress)
@@ -80,7 +80,7 @@ def read_of(file: JointRecording, path: Path, options: ImportOptions, progress: 
 
 
 def capture_of(file: JointRecording, path: Path, options: ImportOptions, progress: Progress) -> Capture:
-    """Recording in world axes and metres, with guesses for everything that ``options`` leave open.
+    """Capture of a recording in world axes and metres, with guesses for everything that ``options`` leave open.
 
     ``progress`` continues from the fraction 0.6.
     """
@@ -105,9 +105,9 @@ def capture_of(file: JointRecording, path: Path, options: ImportOptions, progres
     if not options.body_map:
         found = with_sides_right(found, both[0], guesses)
     leg, trunk = leg_and_trunk(both[0], found.body_map)
-    scale, unit_guess = find_unit(leg, file.said_unit, options.unit, trunk)
+    scale, unit_guess = choose_unit(leg, file.stated_unit, options.unit, trunk)
     guesses += [unit_guess] if unit_guess else []
-    up_axis = _up_axis(file.said_axis, skeleton, both, found.body_map, options, guesses)
+    up_axis = _up_axis(file.stated_up_axis, skeleton, both, found.body_map, options, guesses)
     skeleton, poses = to_world(
         file, turn_to_world(up_axis), scale.metres, lambda share: progress(0.6 + 0.2 * share, _TURNING)
     )
@@ -128,9 +128,9 @@ def capture_of(file: JointRecording, path: Path, options: ImportOptions, progres
 def to_world(
     file: JointRecording, file_to_world: FloatArray, metres: float, progress: Callable[[float], object]
 ) -> tuple[Skeleton, PoseSequence]:
-    """Body in world axes and metres: offsets C o, translations C t, rotations C R C^T.
+    """Skeleton and poses in world axes and metres: offsets C o, translations C t, rotations C R C^T.
 
-    A long file is converted in pieces by two threads, with progress, so that the window never waits.
+    A long file is converted in pieces by two threads, with progress, so that the window stays responsive.
     """
     skeleton, frame_count = file.skeleton, file.frame_count
     offsets = metres * (skeleton.offsets @ file_to_world.T)
@@ -155,11 +155,12 @@ def _up_axis(
     options: ImportOptions,
     guesses: list[Guess],
 ) -> str:
-    """Up axis of the user or of the file (``said``), unless the body stands along another one in ``points`` (2, F, J,
-    3).
+    """Up axis chosen by the user or stated by the file (``said``), unless the body stands along another one.
+
+    ``points`` (2, F, J, 3) are positions of the joints. A guess is added to ``guesses``.
     """
     if options.up_axis is not None:
-        return axis_called(options.up_axis)
+        return parse_axis(options.up_axis)
     if body_map is None:
         if said is None:
             words = "Without a human body nothing tells what is up; most files have Y up."
@@ -168,7 +169,7 @@ def _up_axis(
     standing = BodyPoints.of_joints(_zero_pose(skeleton)[None, None], body_map)
     rest = normalized(standing.shoulders.mean(axis=2) - standing.ankles.mean(axis=2))[0, 0]
     body = BodyPoints.of_joints(points, body_map)
-    guess = guess_up_axis(body, BVH_UP_PRIOR, rest) if said is None else guess_up_axis(body, stated_axis(said))
+    guess = guess_up_axis(body, BVH_UP_PRIOR, rest) if said is None else guess_up_axis(body, stated_axis_prior(said))
     guesses += [guess] if guess.value != said else []
     return guess.value
 

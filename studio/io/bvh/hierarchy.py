@@ -1,10 +1,10 @@
-"""The HIERARCHY block of a BVH file: joints, offsets and channels, read word by word without recursion."""
+"""HIERARCHY block of a BVH file: joints, offsets and channels, read word by word without recursion."""
 
 import re
 from dataclasses import dataclass, field
 
 from studio.core.errors import StudioError
-from studio.io.numbers import glued_words, number, parted
+from studio.io.numbers import glued_words, number, separated_numbers
 
 _MOST_JOINTS = 4096
 _KINDS = {
@@ -20,13 +20,13 @@ _KEYWORDS = {"ROOT", "JOINT", "END", "OFFSET", "CHANNELS", "MOTION", "{", "}"}
 
 
 def _parted(offset: str) -> str:
-    """Line of an OFFSET with a blank before each of its numbers."""
-    return parted(re.sub(r"(?<=T)(?=[\d.+-])", " ", offset, count=1, flags=re.IGNORECASE))
+    """OFFSET line with a blank before each of its numbers."""
+    return separated_numbers(re.sub(r"(?<=T)(?=[\d.+-])", " ", offset, count=1, flags=re.IGNORECASE))
 
 
 @dataclass
 class Hierarchy:
-    """Joints in the order of the file; offsets in its units; channels in the order of its numbers."""
+    """Joints of a BVH file in its order, offsets in its units, channels in the order of its numbers."""
 
     names: list[str] = field(default_factory=list)
     parents: list[int] = field(default_factory=list)
@@ -34,7 +34,7 @@ class Hierarchy:
     channels: list[tuple[str, ...]] = field(default_factory=list)
     end_sites: list[bool] = field(default_factory=list)
     places: list[str] = field(default_factory=list)
-    """File and line of each joint."""
+    """File and line of each joint, for messages."""
     repairs: list[str] = field(default_factory=list)
 
 
@@ -74,7 +74,9 @@ class _Words:
         return number(self.take(expected), where)
 
     def take_name(self) -> str:
-        """All words up to the brace: names may hold spaces, and on their own line any word but a brace."""
+        """Name of a joint: all words up to the brace, since names may contain spaces; on its own line, any word but a
+        brace.
+        """
         words: list[str] = []
         line = self._words[self._next - 1][1]
         while self and self.peek() not in ("{", "}"):
@@ -85,7 +87,7 @@ class _Words:
 
 
 def read_hierarchy(name: str, lines: list[str]) -> Hierarchy:
-    """The joints declared by ``lines`` (from the first line of file ``name`` up to MOTION)."""
+    """Joints declared by ``lines``, from the first line of the file ``name`` up to MOTION."""
     words = _Words(name, lines)
     hierarchy = Hierarchy(repairs=glued_words(name, words.glued))
     if words.take("HIERARCHY").lstrip("\ufeff").upper() != "HIERARCHY":
@@ -180,7 +182,7 @@ def _read_channels(hierarchy: Hierarchy, words: _Words, joint: int, where: str) 
 
 
 def _join_roots(hierarchy: Hierarchy) -> None:
-    """Put several roots, which programs write for props beside a body, below one that never moves."""
+    """Put several roots, which programs write for props beside a body, below one root that never moves."""
     others = [joint for joint, parent in enumerate(hierarchy.parents) if parent < 0][1:]
     if not others:
         return

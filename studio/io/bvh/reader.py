@@ -1,4 +1,4 @@
-"""BVH files read as they are: any channel order, any joint with positions. Written by ``writer``."""
+"""Reader of BVH files in their own units and axes: any channel order, any joint with positions."""
 
 import re
 from collections.abc import Callable, Sequence
@@ -13,15 +13,15 @@ from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
 from studio.core.kernels.body import file_channels as kernel
 from studio.io.bvh.hierarchy import Hierarchy, read_hierarchy
-from studio.io.bvh.spelling import plainly_spelled
+from studio.io.bvh.spelling import plain_bvh
 from studio.io.bvh.writer import write_bvh
 from studio.io.numbers import (
     count_per_line,
     filled_in_time,
     glued_words,
     lines_of,
-    parted,
-    parted_after_decimals,
+    separated_decimals,
+    separated_numbers,
     table,
 )
 from studio.io.referenced_files import read_bytes
@@ -63,36 +63,36 @@ class BvhFile:
     name: str
     skeleton: Skeleton
     channels: tuple[tuple[str, ...], ...]
-    """For each joint its channels in the order of the file (``Zrotation``); empty for end sites."""
+    """Channels of each joint in the order of the file (``Zrotation``); empty for end sites."""
     moved_from_offsets: bool
-    """True if positions, the first joint's aside, count from the offsets instead of replacing them."""
+    """True if positions, except those of the first joint, are relative to the offsets instead of replacing them."""
     frames: FloatArray
-    """(F, C) as written: file units and degrees."""
+    """Numbers (F, C) as written: file units and degrees."""
     frame_time: float | None
-    """Seconds a frame as the file says; None where it says nothing usable."""
+    """Seconds per frame that the file states; None if it states nothing usable."""
     frame_time_digit: float
-    """Worth in seconds of the last digit written, within which the frame time may be rounded."""
+    """Value in seconds of the last written digit, to which the frame time may be rounded."""
     repairs: tuple[str, ...]
 
     @property
-    def said_unit(self) -> None:
-        """None: the format has no unit."""
+    def stated_unit(self) -> None:
+        """None: the format has no field for the unit."""
 
     @property
-    def said_axis(self) -> None:
-        """None: the format has no up axis."""
+    def stated_up_axis(self) -> None:
+        """None: the format has no field for the up axis."""
 
     @property
     def frame_count(self) -> int:
-        """Frames F."""
+        """Number of frames F."""
         return len(self.frames)
 
     def poses(self) -> PoseSequence:
-        """Rotations and translations of every joint in file axes."""
+        """Rotations and translations of every joint in file axes and units."""
         return PoseSequence(*self.transforms(slice(None)))
 
     def transforms(self, frames: NDArray[np.int64] | slice) -> tuple[FloatArray, FloatArray]:
-        """Local rotations (N, J, 4) and translations (N, J, 3) of these frames, in file axes and units."""
+        """Local rotations (N, J, 4) and translations (N, J, 3) of ``frames`` (N,), in file axes and units."""
         offsets = self.skeleton.offsets
         starts = np.array(offsets) if self.moved_from_offsets else np.zeros_like(offsets)
         starts[_first_with_positions(self.channels)] = 0.0
@@ -108,12 +108,12 @@ class BvhFile:
 
 
 def read_bvh(path: Path | str, progress: Progress | None = None) -> BvhFile:
-    """File at ``path``; raises StudioError with file, line and what to do if it is damaged."""
+    """Content of the BVH file at ``path``. Raises StudioError with file, line and what to do if it is damaged."""
     path = Path(path)
     report = progress or (lambda share, text: None)
     report(0.0, f"Reading {path.name}")
     spelling: list[str] = []
-    content = plainly_spelled(path.name, _content(path), spelling)
+    content = plain_bvh(path.name, _content(path), spelling)
     head, motion_line, body = _split(path.name, content)
     hierarchy = read_hierarchy(path.name, head)
     report(0.2, f"Reading the motion of {path.name}")
@@ -144,9 +144,9 @@ def _first_with_positions(channels: Sequence[tuple[str, ...]]) -> int:
 def _moved_from_offsets(
     name: str, channels: list[tuple[str, ...]], offsets: FloatArray, frames: FloatArray, repairs: list[str]
 ) -> bool:
-    """True if most joints with positions, the first aside, stay near zero though their bones are long.
+    """True if most joints with positions, except the first, stay near zero although their bones are long.
 
-    As a rule a position replaces the offset; read so, these files would have no bones.
+    Usually a position replaces the offset; read that way, these files would have no bones.
     """
     travelling = _first_with_positions(channels)
     ends = np.cumsum([len(each) for each in channels])
@@ -163,7 +163,7 @@ def _moved_from_offsets(
 
 
 def _scaled_joints(name: str, hierarchy: Hierarchy, frames: FloatArray) -> list[str]:
-    """Sentence about scale channels with other values than 1, which bones of a body do not have."""
+    """Warning about scale channels with values other than 1, which bones of a body do not have."""
     channels = [(joint, each) for joint, all_ in enumerate(hierarchy.channels) for each in all_]
     columns = [column for column, (_, each) in enumerate(channels) if each.endswith("scale")]
     grows = [column for column in columns if np.abs(frames[:, column] - 1.0).max() > _SCALE_NOISE]
@@ -174,8 +174,9 @@ def _scaled_joints(name: str, hierarchy: Hierarchy, frames: FloatArray) -> list[
 
 
 def _radians_to_degrees(name: str, hierarchy: Hierarchy, frames: FloatArray, repairs: list[str]) -> None:
-    """Convert the angles of ``frames`` in place if they can only be radians: as degrees, a body that travels by its
-    own size would hardly bend.
+    """Convert the angles of ``frames`` in place if they can only be radians.
+
+    Read as degrees, a body that travels by its own size would hardly bend.
     """
     channels = [(joint, each) for joint, all_ in enumerate(hierarchy.channels) for each in all_]
     turning = [column for column, (_, each) in enumerate(channels) if each.endswith("rotation")]
@@ -227,6 +228,8 @@ def _split(name: str, content: bytes) -> tuple[list[str], int, list[bytes]]:
 
 @dataclass
 class _Header:
+    """Header of the MOTION block, with the lines of its values."""
+
     line: int
     """Of MOTION."""
     frames: str | None = None
@@ -236,7 +239,7 @@ class _Header:
 
 
 def _motion_header(name: str, body: list[bytes], motion_line: int) -> tuple[_Header, int]:
-    """``Frames:`` and ``Frame Time:`` in any order, either may be missing; and the line of the first row."""
+    """Values of ``Frames:`` and ``Frame Time:``, in any order, either may be missing; and the line of the first row."""
     header = _Header(line=motion_line)
     for at, line in enumerate(body):
         words = _WITHOUT_COLON.sub(rb"\1:", line).decode("utf-8", "replace").replace(":", " : ").split()
@@ -258,7 +261,7 @@ def _motion_header(name: str, body: list[bytes], motion_line: int) -> tuple[_Hea
 
 
 def _frame_time(name: str, header: _Header, repairs: list[str]) -> tuple[float | None, float]:
-    """Seconds per frame, and the value of its last digit: none for a fraction (``1/60``)."""
+    """Seconds per frame, and the value in seconds of its last digit; 1e-9 for a fraction (``1/60``)."""
     text = header.frame_time
     if not text:
         repairs.append(f"{name}, line {header.frame_time_line or header.line}: the file has no Frame Time.")
@@ -289,7 +292,7 @@ def _frames(
     repairs: list[str],
     progress: Progress,
 ) -> FloatArray:
-    """(F, C) numbers; a last row that is cut off is dropped and listed."""
+    """Numbers (F, C) of all rows; a last row that is cut off is dropped and listed in ``repairs``."""
     width = sum(map(len, hierarchy.channels))
     if width == 0:
         raise StudioError(f"{name}: no joint declares channels, so there is no motion to read. Export it with motion.")
@@ -328,11 +331,13 @@ def _frames(
 def _part_glued(
     name: str, lines: list[bytes], counts: NDArray[np.int64], width: int, first_line: int, repairs: list[str]
 ) -> None:
-    """Separate the numbers of rows with too few words that are then complete; report the first of them."""
+    """Separate glued numbers in rows with too few words that are complete then; report the first of them."""
     glued = []
     for row in np.flatnonzero((counts > 0) & (counts < width)).tolist():
         line = lines[row].decode("utf-8", "replace")
-        apart = next((each for each in (parted(line), parted_after_decimals(line)) if len(each.split()) == width), None)
+        apart = next(
+            (each for each in (separated_numbers(line), separated_decimals(line)) if len(each.split()) == width), None
+        )
         if apart is not None:
             lines[row], counts[row] = apart.encode(), width
             glued.append(first_line + row)
@@ -342,8 +347,8 @@ def _part_glued(
 def _fill(name: str, values: FloatArray, lines: NDArray[np.int64], hierarchy: Hierarchy, repairs: list[str]) -> None:
     """Interpolate missing values in time, angles along the shorter arc; report the number of rows and the first line.
 
-    Rows of zeros are missing too. ``values`` (F, C) with NaN for a missing value, ``lines`` (F,) of the file. Raises
-    StudioError if a channel has no number at all.
+    ``values`` (F, C) have NaN for a missing value, and rows of zeros are missing too; ``lines`` (F,) are line numbers.
+    Raises StudioError if a channel has no number at all.
     """
     channels = [(joint, each) for joint, all_ in enumerate(hierarchy.channels) for each in all_]
     zeros = _rows_of_zeros(values, [column for column, (_, each) in enumerate(channels) if each.endswith("position")])
@@ -368,9 +373,9 @@ def _fill(name: str, values: FloatArray, lines: NDArray[np.int64], hierarchy: Hi
 
 
 def _rows_of_zeros(values: FloatArray, positions: list[int]) -> NDArray[np.bool_]:
-    """(F,) true for rows (C,) of zeros that a recorder wrote where it had lost the body.
+    """Mask (F,) of rows of zeros that a recorder wrote when it had lost the body.
 
-    The first rows may be a pose of calibration, and so may all if the body is nowhere else than at zero.
+    The first rows may be a calibration pose, and so may all if the body is nowhere else than at zero.
     """
     zeros = ~values.any(axis=1)
     away = values[:, positions].any(axis=1)

@@ -12,7 +12,7 @@ _SEMICOLON, _COMMA = re.compile(rb";"), re.compile(rb",")
 _COMMAS_BETWEEN = re.compile(rb",[-+\d.eE]*,")
 
 
-def plainly_spelled(name: str, content: bytes, repairs: list[str]) -> bytes:
+def plain_bvh(name: str, content: bytes, repairs: list[str]) -> bytes:
     """File in plain BVH, with the same line numbers; decimal commas are read only if no number has a point."""
     content = content.rstrip(b"\x1a")
     if b"#" in content or b"/" in content:
@@ -33,7 +33,7 @@ def _plain_numbers(name: str, content: bytes, repairs: list[str]) -> bytes:
 
 
 def _changes(numbers: bytes) -> dict[tuple[re.Pattern[bytes], bytes], str]:
-    """Patterns and their replacements, in order, each with a sentence."""
+    """Replacements by (pattern, replacement), in order, each with the sentence that reports it."""
     changes: dict[tuple[re.Pattern[bytes], bytes], str] = {}
     if b";" in numbers:
         changes[_SEMICOLON, b" "] = "its numbers have semicolons between them; they were read as blanks."

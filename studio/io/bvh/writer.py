@@ -38,13 +38,13 @@ def write_bvh(
     decimals: int | None = None,
     progress: Progress = lambda share, text: None,
 ) -> None:
-    """Write ``poses`` so that reading back gives every joint within 0.01 mm.
+    """Write ``poses`` as a BVH file; read back, every joint is within 0.01 mm.
 
-    ``unit_scale`` is file units a metre. ``position_channels`` are the joints that get positions; None means
-    the root and every joint whose translation leaves its offset. ``decimals`` rounds the numbers of the motion
-    (file units and degrees) for a smaller file, None keeps all that count: with 4, a body of human size is still
-    within 0.01 mm. The file appears whole or not at all, also when ``progress`` raises to cancel. Raises StudioError
-    when it cannot be written.
+    ``unit_scale`` is file units per metre. ``position_channels`` are the joints that get positions; None for the root
+    and every joint whose translation leaves its offset. ``decimals`` rounds the numbers of the motion (file units and
+    degrees) for a smaller file; None keeps all that matter. With 4, a body of human size is still within 0.01 mm. The
+    file appears whole or not at all, also when ``progress`` raises an exception to cancel. Raises StudioError if it
+    cannot be written.
     """
     if position_channels is None:
         ends = np.stack([poses.local_translations.min(axis=0), poses.local_translations.max(axis=0)])
@@ -105,7 +105,7 @@ def _depth_first(skeleton: Skeleton) -> Iterator[int]:
 
 
 def _rows(skeleton: Skeleton, poses: PoseSequence, positioned: frozenset[int], scale: float) -> Iterator[FloatArray]:
-    """(N, C) file units and degrees, joints in the order of the file, a run of frames after the other."""
+    """Rows (N, C) of successive runs of frames, in file units and degrees, joints in the order of the file."""
     joints = [joint for joint in _depth_first(skeleton) if not skeleton.end_sites[joint]]
     last = np.empty((0, skeleton.joint_count, 3))
     for _, run in poses.runs(_ROWS):
@@ -121,7 +121,7 @@ def _rows(skeleton: Skeleton, poses: PoseSequence, positioned: frozenset[int], s
 
 
 def _continued(last: FloatArray, angles: FloatArray) -> FloatArray:
-    """Angles (F, J, 3) with whole turns added so that none jumps, after the ``last`` (0 or 1, J, 3).
+    """Angles (F, J, 3) with whole turns added so that none jumps, continuing from ``last`` (0 or 1, J, 3).
 
     A step of half a turn takes the same sign on every machine, however its last digits are rounded.
     """

@@ -1,4 +1,4 @@
-"""C3D file as a capture, with its events."""
+"""Conversion of a C3D file to a capture, with its events."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ from studio.core.captures.annotations import Annotations, Label
 from studio.core.markers.trial import Trial
 from studio.io.c3d.reader import read_c3d
 from studio.io.importing import ImportOptions
-from studio.io.markers.trial_capture import read_of_trial
+from studio.io.markers.trial_capture import read_capture_of_trial
 from studio.io.registry import Progress, ReadCapture
 
 
@@ -16,7 +16,7 @@ def load_c3d(path: Path, options: ImportOptions, progress: Progress) -> ReadCapt
     Its events are labels of one frame.
     """
     file = read_c3d(path, lambda share, text: progress(0.4 * share, text))
-    return read_of_trial(file.trial, file.repairs, _events(file.trial), options, progress)
+    return read_capture_of_trial(file.trial, file.repairs, _events(file.trial), options, progress)
 
 
 def _events(trial: Trial) -> Annotations:

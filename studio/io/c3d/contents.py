@@ -1,4 +1,4 @@
-"""Contents of the parameters of a C3D file: labels, kinds, units, signals, plates, events, measures."""
+"""Contents of the parameters of a C3D file: labels, kinds, unit, signals, plates, events and measures."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from studio.core.markers.trial import (
 )
 from studio.core.names import counted_noun
 from studio.io.c3d.parameters import BLOCK_BYTES, Parameters
-from studio.io.markers.unit import named_unit
+from studio.io.markers.unit import unit_by_spelling
 
 FloatArray = NDArray[np.float64]
 
@@ -32,8 +32,8 @@ _MEASURE_GROUPS = ("PROCESSING", "SUBJECTS", "SUBJECT", "SEG")
 def labels_and_kinds(
     name: str, parameters: Parameters, count: int, repairs: list[str]
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Unique label for each of ``count`` points, subjects before a colon, and the kind of each."""
-    written = parameters.words_on("POINT", "LABELS")[:count]
+    """Unique labels of ``count`` points, subjects before a colon, and the kind of each point."""
+    written = parameters.continued_words("POINT", "LABELS")[:count]
     labels: dict[str, None] = {}
     twice: list[str] = []
     for place in range(count):
@@ -55,7 +55,10 @@ def labels_and_kinds(
             " the others were numbered."
         )
     outputs = {
-        label: kind for group, kind in _MODEL_OUTPUTS.items() for label in parameters.words_on("POINT", group) if label
+        label: kind
+        for group, kind in _MODEL_OUTPUTS.items()
+        for label in parameters.continued_words("POINT", group)
+        if label
     }
     told = with_subjects(tuple(labels))
     outputs |= dict.fromkeys(_segment_axes(told), VIRTUAL_KIND)
@@ -73,9 +76,7 @@ def _segment_axes(labels: tuple[str, ...]) -> set[str]:
 
 
 def _kind_by_name(label: str) -> str:
-    """Kind of a point by the name that models give to their outputs, such as ``LKneeAngles`` or ``RHipMoment``, and no
-    marker has.
-    """
+    """Kind of a point by a name that models give only to their outputs, such as ``LKneeAngles`` or ``RHipMoment``."""
     if label.lower().startswith("centreofmass"):
         return VIRTUAL_KIND
     ending = next((ending for ending in _ENDINGS if label.lower().endswith(ending)), "")
@@ -84,10 +85,10 @@ def _kind_by_name(label: str) -> str:
     return {"grf": "force"}.get(ending, ending.removesuffix("s"))
 
 
-def unit_of(name: str, parameters: Parameters, repairs: list[str]) -> str:
-    """Unit of length; millimetres if the file gives no known one."""
+def unit_in_parameters(name: str, parameters: Parameters, repairs: list[str]) -> str:
+    """Unit of length that the file states; millimetres if it states no known one."""
     said = (*parameters.words("POINT", "UNITS"), "")[0]
-    unit = named_unit(said)
+    unit = unit_by_spelling(said)
     if unit is None:
         repairs.append(f"{name}: POINT:UNITS is '{said[:20]}', which is not a known unit; taken as mm.")
     elif unit != said.lower():
@@ -104,7 +105,7 @@ def analog_signals(
         return NO_SIGNALS
     general = parameters.number("ANALOG", "GEN_SCALE")
     scales, offsets = (
-        _filled(parameters.array_on("ANALOG", which), count, usual)
+        _filled(parameters.continued_array("ANALOG", which), count, usual)
         for which, usual in (("SCALE", 1.0), ("OFFSET", 0.0))
     )
     if "UNSIGNED" in (word.upper() for word in parameters.words("ANALOG", "FORMAT")):
@@ -116,7 +117,7 @@ def analog_signals(
     if wild.any():
         samples[wild] = 0.0
         repairs.append(f"{name}: made 0, as not finite: {counted_noun(int(wild.sum()), 'analog number')}.")
-    labels, units = parameters.words_on("ANALOG", "LABELS"), parameters.words_on("ANALOG", "UNITS")
+    labels, units = parameters.continued_words("ANALOG", "LABELS"), parameters.continued_words("ANALOG", "UNITS")
     return AnalogSignals(
         tuple(_at(labels, place) or f"Channel {place + 1}" for place in range(count)),
         tuple(_at(units, place) for place in range(count)),
@@ -126,7 +127,9 @@ def analog_signals(
 
 
 def force_plates(name: str, parameters: Parameters, channels: int, repairs: list[str]) -> tuple[ForcePlate, ...]:
-    """Plates whose corners the file gives; those without a complete description have no channels, and are reported."""
+    """Force plates whose corners the file states; those without a complete description have no channels, and are
+    reported.
+    """
     count = int(np.clip(parameters.number("FORCE_PLATFORM", "USED") or 0, 0, 32))
     kinds, feeds = (parameters.array("FORCE_PLATFORM", which).squeeze() for which in ("TYPE", "CHANNEL"))
     each = feeds.shape[0] if feeds.ndim > 1 else feeds.size // max(count, 1)
@@ -162,8 +165,8 @@ def force_plates(name: str, parameters: Parameters, channels: int, repairs: list
 
 def marked_events(name: str, content: bytes, parameters: Parameters, repairs: list[str]) -> tuple[TrialEvent, ...]:
     """Events of the parameters, else those of the header, in order of time."""
-    labels = parameters.words_on("EVENT", "LABELS")
-    contexts = parameters.words_on("EVENT", "CONTEXTS")
+    labels = parameters.continued_words("EVENT", "LABELS")
+    contexts = parameters.continued_words("EVENT", "CONTEXTS")
     times = parameters.columns("EVENT", "TIMES", 2)
     count = int(np.clip(parameters.number("EVENT", "USED") or 0, 0, 65535))
     if not count:
@@ -193,7 +196,7 @@ def _header_events(content: bytes, parameters: Parameters) -> tuple[TrialEvent, 
 
 
 def measures(parameters: Parameters) -> dict[str, float]:
-    """Measures of the subject: bone widths, leg lengths, the size of the markers."""
+    """Measures of the subject by name: bone widths, leg lengths, the size of the markers."""
     found: dict[str, float] = {}
     for group in _MEASURE_GROUPS:
         for key, value in parameters.groups.get(group, {}).items():

@@ -12,7 +12,7 @@ from studio.io.registry import Progress
 from studio.io.up_axis import FILE_AXES
 
 _WORN = 0.6
-"""The share of the work after which all markers have their places."""
+"""Fraction of the work after which all markers have their positions."""
 _SIDES = ("Left", "Right")
 
 
@@ -27,7 +27,7 @@ def is_c3d(head: bytes) -> bool:
 
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:
-    """Write the joints of ``take`` and the markers of its body; read back, every one is within 0.001 mm.
+    """Write the joints of ``take`` and markers of its body; read back, every point is within 0.001 mm.
 
     Z is up and -Y the front, as in the reader, so that a body keeps its heading.
     """
@@ -45,7 +45,7 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
 
 
 def _events(labels: Iterable[Label], capture: Capture, found: Iterable[TrialEvent]) -> tuple[TrialEvent, ...]:
-    """Begins of labels as events, with those ``found`` in contacts for kinds without a label, in order of time."""
+    """Events at the begins of labels, and those ``found`` in contacts for kinds without a label, in order of time."""
     marked = []
     for label in labels:
         context, _, name = label.name.partition(" ")

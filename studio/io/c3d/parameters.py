@@ -44,8 +44,9 @@ class Numbers:
 
 @dataclass
 class Parameters:
-    """Values by group and name, both in capitals; numbers (as (d1, d2, ...) arrays, the first index running fastest in
-    the file) or words.
+    """Parameters of a C3D file, by group and name in capitals.
+
+    A value is an array of numbers (d1, d2, ...), the first index running fastest in the file, or a tuple of words.
     """
 
     numbers: Numbers
@@ -63,26 +64,28 @@ class Parameters:
         return np.zeros(0) if isinstance(value, tuple) else value
 
     def columns(self, group: str, name: str, *shape: int) -> NDArray[np.float64]:
-        """Numbers of a parameter as (*shape, N), whatever dimensions the file gives them; a remainder is dropped."""
+        """Numbers of a parameter as an array (*shape, N), whatever dimensions the file gives it; a remainder is
+        dropped.
+        """
         flat = self.array(group, name).ravel(order="F")
         size = math.prod(shape)
         count = len(flat) // size
         return flat[: size * count].reshape((*shape, count), order="F")
 
     def number(self, group: str, name: str) -> float | None:
-        """First number of a parameter, if it exists and is finite."""
+        """First number of a parameter; None if it is missing or not finite."""
         value = self.array(group, name)
         return float(value.flat[0]) if value.size and np.isfinite(value.flat[0]) else None
 
-    def words_on(self, group: str, name: str) -> tuple[str, ...]:
-        """Words of ``LABELS``, then ``LABELS2``, ``LABELS3`` ..., in which lists of more than 255 are continued."""
+    def continued_words(self, group: str, name: str) -> tuple[str, ...]:
+        """Words of a parameter and of its continuations ``LABELS2``, ``LABELS3`` ..., for lists of more than 255."""
         found, place = self.words(group, name), 2
         while more := self.words(group, f"{name}{place}"):
             found, place = found + more, place + 1
         return found
 
-    def array_on(self, group: str, name: str) -> NDArray[np.float64]:
-        """All numbers of a parameter, flat, with its continuations ``NAME2``, ``NAME3`` ..."""
+    def continued_array(self, group: str, name: str) -> NDArray[np.float64]:
+        """Numbers of a parameter and of its continuations ``NAME2``, ``NAME3`` ..., flat."""
         found, place = [self.array(group, name).ravel(order="F")], 2
         while (more := self.array(group, f"{name}{place}")).size:
             found.append(more.ravel(order="F"))
@@ -110,7 +113,7 @@ def read_parameters(name: str, content: bytes) -> Parameters:
 
 
 def _read_records(name: str, content: bytes, start: int, found: Parameters) -> None:
-    """Read records one after another; each must be behind the one before, so that nothing is read twice."""
+    """Read records one after another; each must begin after the previous one, so that nothing is read twice."""
     at, names = start + 4, {}
     waiting: list[tuple[int, str, Value]] = []
     for _ in range(_MOST_RECORDS):
@@ -173,7 +176,7 @@ def _words(data: bytes, shape: tuple[int, ...]) -> tuple[str, ...]:
 
 
 def _text(data: bytes) -> str:
-    """Words without the blanks that pad them."""
+    """Words of a parameter without the blanks that pad them."""
     try:
         text = data.decode("utf-8")
     except UnicodeDecodeError:

@@ -15,7 +15,14 @@ from numpy.typing import NDArray
 from studio.core.errors import StudioError
 from studio.core.markers.trial import Trial
 from studio.core.names import counted_noun, readable_name
-from studio.io.c3d.contents import analog_signals, force_plates, labels_and_kinds, marked_events, measures, unit_of
+from studio.io.c3d.contents import (
+    analog_signals,
+    force_plates,
+    labels_and_kinds,
+    marked_events,
+    measures,
+    unit_in_parameters,
+)
 from studio.io.c3d.parameters import BLOCK_BYTES, Numbers, Parameters, read_parameters
 from studio.io.referenced_files import read_bytes
 
@@ -29,7 +36,7 @@ _ABSURD = 1e7
 
 @dataclass(frozen=True)
 class C3dFile:
-    """Trial, the parameters of the file, and the repairs made while reading."""
+    """Content of a C3D file: the trial, the parameters, and the repairs made while reading."""
 
     trial: Trial
     order: str
@@ -41,7 +48,7 @@ class C3dFile:
 
 @dataclass(frozen=True)
 class _Header:
-    """First block, with the values that the parameters overrule."""
+    """First block of the file; the parameters take precedence over its values."""
 
     points: int
     channels: int
@@ -90,7 +97,7 @@ def read_c3d(path: Path | str, progress: Progress | None = None) -> C3dFile:
         residuals=residuals,
         frame_rate=header.frame_rate,
         first_frame=header.first_frame,
-        unit=unit_of(path.name, parameters, repairs),
+        unit=unit_in_parameters(path.name, parameters, repairs),
         analog=analog_signals(path.name, parameters, raw, header.frame_rate * max(header.samples, 1), repairs),
         plates=force_plates(path.name, parameters, header.channels, repairs),
         events=marked_events(path.name, content, parameters, repairs),
@@ -151,7 +158,7 @@ def _header(name: str, content: bytes, parameters: Parameters, repairs: list[str
 
 
 def _without_points(unsigned: list[int], channels: int, parameters: Parameters) -> str:
-    """Sentence for a file without points: its content by its parameters, and what to do."""
+    """Error message for a file without points: its content by its parameters, and what to do."""
     samples = max(unsigned[4] - unsigned[3] + 1, 0) * unsigned[9]
     rotations = int(parameters.number("ROTATION", "USED") or 0)
     held = [f"{channels} signals of {samples} samples"] if channels else []
@@ -175,7 +182,7 @@ def _first_frame(header: int, parameters: Parameters) -> int:
 
 
 def _long(parameters: Parameters, name: str) -> int | None:
-    """Frame number of 31 bits stored as two of 16, the lower first; None for another value."""
+    """Frame number of 31 bits that is stored as two numbers of 16 bits, the lower first; None for another value."""
     field = parameters.columns("TRIAL", name, 2)
     if not field.size or not np.isfinite(field).all():
         return None
@@ -198,7 +205,7 @@ def _scale(name: str, header: float, parameters: Parameters, repairs: list[str])
 
 
 def _differ(header: float, parameter: float) -> bool:
-    """True unless both are one number written in two ways, such as 60 Hz and 59.94."""
+    """True unless both values are one number written in two ways, such as 60 Hz and 59.94."""
     return not math.isclose(header, parameter, rel_tol=2e-3)
 
 
@@ -229,9 +236,10 @@ def _frame_rate(name: str, header: float, parameters: Parameters, repairs: list[
 def _frames(
     name: str, content: bytes, unsigned: list[int], header: _Header, parameters: Parameters, repairs: list[str]
 ) -> int:
-    """Number of frames by ACTUAL_START_FIELD and ACTUAL_END_FIELD, else header, else POINT:FRAMES; at most those in the
-    file, and one that fills it before a smaller one. If 16 bits are full, LONG_FRAMES is preferred, else the largest
-    of these counts.
+    """Number of frames: by ACTUAL_START_FIELD and ACTUAL_END_FIELD, else the header, else POINT:FRAMES.
+
+    It is at most that in the file, and a count that fills the file is preferred to a smaller one. If 16 bits are full,
+    LONG_FRAMES is preferred, else the largest of these counts.
     """
     there = (len(content) - header.data_start) // header.bytes_a_frame
     start, end = (_long(parameters, f"ACTUAL_{which}_FIELD") for which in ("START", "END"))
@@ -265,7 +273,7 @@ def _frames(
 
 
 def _words(content: bytes, header: _Header, numbers: Numbers) -> NDArray[np.generic]:
-    """(frames, numbers per frame) as stored in the file."""
+    """Numbers as stored in the file, (frames, numbers per frame)."""
     data = memoryview(content)[header.data_start : header.data_start + header.frames * header.bytes_a_frame]
     flat: NDArray[np.generic] = numbers.integers(data) if header.integers else numbers.floats(data)
     return flat.reshape(header.frames, header.words_a_frame)

@@ -28,22 +28,22 @@ Record = tuple[str, bytes]
 
 
 def write_c3d(path: Path | str, trial: Trial, progress: Progress = lambda share, text: None) -> None:
-    """Write ``trial``; points are kept to single precision.
+    """Write ``trial`` as a C3D file; points are kept to single precision.
 
-    Raises StudioError if it does not fit into C3D. ``progress`` is called with a fraction from 0 to 1 and may raise to
-    cancel; the file is then as before, or absent.
+    Raises StudioError if it does not fit into C3D. ``progress`` is called with a fraction from 0 to 1 and may raise an
+    exception to cancel; the file is then as before, or absent.
     """
     path = Path(path)
     write_pieces(path, _pieces(trial, lambda share: progress(share, f"Writing {path.name}")))
 
 
 def c3d_bytes(trial: Trial) -> bytes:
-    """The trial as the bytes of a C3D file."""
+    """Bytes of a C3D file with ``trial``."""
     return b"".join(_pieces(trial, lambda share: None))
 
 
 def _pieces(trial: Trial, progress: Callable[[float], object]) -> Iterator[bytes]:
-    """Header, parameters, then some frames at a time; each part fills whole blocks."""
+    """Header, parameters, then the frames in pieces; each part fills whole blocks."""
     samples = _samples_a_frame(trial)
     channels = len(trial.analog.labels)
     if len(trial.labels) > _MOST_NUMBERS or channels * samples > _MOST_NUMBERS:
@@ -76,7 +76,7 @@ def _samples_a_frame(trial: Trial) -> int:
 
 
 def _frames(trial: Trial, samples: int, run: slice) -> bytes:
-    """The numbers of a run of frames."""
+    """Bytes of the frames in ``run``."""
     points = trial.points[run]
     unseen = np.isnan(points).any(axis=-1)
     numbered = np.concatenate([np.nan_to_num(points), np.where(unseen, -1.0, 0.0)[..., None]], axis=-1)

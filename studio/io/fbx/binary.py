@@ -17,7 +17,7 @@ from studio.core.errors import StudioError
 
 
 class Int64(int):
-    """Integer of eight bytes, for times and the numbers of objects."""
+    """Integer of eight bytes, for times and the ids of objects."""
 
 
 Value = bool | int | float | str | bytes | NDArray[Any]
@@ -25,7 +25,7 @@ Value = bool | int | float | str | bytes | NDArray[Any]
 FBX_VERSION = 7400
 FILE_ID = bytes.fromhex("28b32aebb624ccc2bfc8b02aa92bfcf1")
 CREATION_TIME = "1970-01-01 10:00:00:000"
-"""The moment that ``FILE_ID`` stands for: every file says the same, so that equal motions are equal files."""
+"""Moment that ``FILE_ID`` encodes; it is the same in every file, so that equal motions give equal files."""
 
 _HEAD = b"Kaydara FBX Binary  \0\x1a\0" + struct.pack("<I", FBX_VERSION)
 _FOOT_ID = bytes.fromhex("fabcab09d0c8d466b176fb831cf7267e")
@@ -39,7 +39,7 @@ _LETTERS = {"int32": b"i", "int64": b"l", "float32": b"f", "float64": b"d"}
 
 @dataclass(frozen=True, eq=False)
 class FbxElement:
-    """``children`` is None for an element that is no block; an empty block has none."""
+    """Element of an FBX file: name, values and children; ``children`` is None for an element that is no block."""
 
     name: str
     values: tuple[Value, ...] = ()
@@ -47,17 +47,17 @@ class FbxElement:
 
 
 def element(name: str, *values: Value) -> FbxElement:
-    """An element without a block."""
+    """Element without a block."""
     return FbxElement(name, values)
 
 
 def block(name: str, *values: Value, children: Sequence[FbxElement] = ()) -> FbxElement:
-    """An element with a block."""
+    """Element with a block of ``children``."""
     return FbxElement(name, values, children)
 
 
 def encode_document(elements: Sequence[FbxElement]) -> Iterator[bytes]:
-    """The bytes of a whole file, a piece for each element. Raises StudioError where it exceeds 4 GB."""
+    """Bytes of a whole file, one piece for each element. Raises StudioError if it exceeds 4 GB."""
     yield _HEAD
     end = len(_HEAD)
     for each in elements:
@@ -69,7 +69,7 @@ def encode_document(elements: Sequence[FbxElement]) -> Iterator[bytes]:
 
 
 def _encoded(item: FbxElement, begin: int) -> bytes:
-    """The bytes of an element that begins at byte ``begin`` of the file."""
+    """Bytes of an element that begins at byte ``begin`` of the file."""
     name, values = item.name.encode(), b"".join(map(_value, item.values))
     content = [name, values]
     end = begin + len(_END) + len(name) + len(values)

@@ -1,8 +1,9 @@
 """Child process that reads an FBX file: ``python -m studio.io.fbx.child IN.fbx OUT.npz motion|figure|either``.
 
-ufbx is written in C and the file may be anybody's, so it runs where a crash or an endless loop costs nothing. It
-imports only its own modules, and returns plain arrays; an error is one line on standard error. Objects of ufbx are kept
-alive (``objects``), nothing is collected, and the process exits without clean-up.
+The library ufbx is written in C and files come from anywhere, so it runs in a process of its own, in which a crash or
+an endless loop does no harm. The process imports only its own modules, and returns plain arrays; an error is one line
+on standard error. Objects of ufbx are kept alive (``objects``), nothing is collected, and the process exits without
+clean-up.
 """
 
 import gc
@@ -14,7 +15,7 @@ import numpy as np
 
 from studio.io.fbx.child_meshes import clustered, meshes_of
 from studio.io.fbx.objects import all_of, keep, matrix_of
-from studio.io.scene.child_run import MOST_VALUES, run_child
+from studio.io.scene.child_run import MOST_FRAME_VALUES, run_child
 
 MOST_FBX_JOINTS = 4096
 _SHOWS_NOTHING = ("UNKNOWN", "EMPTY")
@@ -24,7 +25,7 @@ _SHOWS_NOTHING = ("UNKNOWN", "EMPTY")
 def main(source: str, target: str, what: str) -> None:
     """Read the longest animation of ``source``, or its figure, and write it to ``target``.
 
-    ``what`` is ``motion``, ``figure``, or ``either``: the figure of a file in which a skin hangs from joints.
+    ``what`` is ``motion``, ``figure``, or ``either``: the figure if a skin is bound to joints, else the motion.
     """
     import ufbx
 
@@ -62,7 +63,7 @@ def _write_motion(target: str, scene: Any, nodes: list[Any], parents: list[int])
     settings = keep(scene.settings)
     rate = settings.frames_per_second or 30.0
     count = round((stack.time_end - stack.time_begin) * rate) + 1 if stack else 1
-    if not 0 < count * len(nodes) * 10 < MOST_VALUES:
+    if not 0 < count * len(nodes) * 10 < MOST_FRAME_VALUES:
         sys.exit(f"it says that it has {count} frames")
     frames = np.empty((count, len(nodes), 10))
     for frame in range(count):
@@ -84,7 +85,7 @@ def _write_motion(target: str, scene: Any, nodes: list[Any], parents: list[int])
 
 
 def _axis(name: str) -> str:
-    """``POSITIVE_Y`` as ``Y``, ``NEGATIVE_Z`` as ``-Z``; Y where the file does not say it."""
+    """Name of an axis: ``Y`` for ``POSITIVE_Y``, ``-Z`` for ``NEGATIVE_Z``; Y if the file does not state it."""
     sign, _, axis = name.partition("_")
     return ("-" if sign == "NEGATIVE" else "") + (axis or "Y")
 
@@ -118,7 +119,7 @@ def _nodes(scene: Any) -> list[tuple[Any, int]]:
 
 
 def _skeleton(everything: list[tuple[Any, int]], also: set[int]) -> tuple[list[Any], list[int]]:
-    """Bones, the nodes ``also`` wanted, and all their ancestors, with the index of each parent."""
+    """Bones, the nodes ``also``, and all their ancestors, with the index of each parent."""
     above = {node.typed_id: parent for node, parent in everything}
     wanted: set[int] = set()
     for node, _ in everything:
@@ -138,7 +139,7 @@ def _linked_empties(everything: list[tuple[Any, int]]) -> set[int]:
 
 
 def _values(transform: Any) -> tuple[float, ...]:
-    """Position, rotation (x, y, z, w) and scale, as ten numbers."""
+    """Position, rotation (x, y, z, w) and scale of a transform, as ten numbers."""
     place, turn, scale = transform.translation, transform.rotation, transform.scale
     return (place.x, place.y, place.z, turn.x, turn.y, turn.z, turn.w, scale.x, scale.y, scale.z)
 

@@ -1,4 +1,4 @@
-"""Meshes of an FBX file as plain arrays: read in the child process of ``child``."""
+"""Meshes of an FBX file as plain arrays, read in the child process of ``child``."""
 
 from typing import Any
 
@@ -6,14 +6,14 @@ import numpy as np
 
 from studio.io.fbx.objects import FloatArray, all_of, keep, matrix_of, numbers_of
 
-MOST_CORNERS = 4_000_000
+MOST_FBX_CORNERS = 4_000_000
 
 
 def meshes_of(nodes: list[Any], joints: dict[int, int]) -> tuple[list[dict[str, Any]], dict[str, FloatArray]]:
-    """Record of each mesh of the nodes, and its arrays, by number and name; ``joints`` by the ids of their nodes.
+    """Record of each mesh of the nodes, and arrays of the meshes by number and name.
 
-    Vertices are in the bind pose; ``carrier`` is the joint to which a whole mesh is attached, -1 for a skinned one.
-    ``bind`` (J, 3, 4) are the joints in the bind pose, NaN if unknown.
+    ``joints`` are by the ids of their nodes. Vertices are in the bind pose; ``carrier`` is the joint to which a whole
+    mesh is attached, -1 for a skinned one. ``bind`` (J, 3, 4) are the joints in the bind pose, NaN if unknown.
     """
     told: list[dict[str, Any]] = []
     arrays: dict[str, FloatArray] = {"bind": np.full((len(joints), 3, 4), np.nan)}
@@ -21,7 +21,7 @@ def meshes_of(nodes: list[Any], joints: dict[int, int]) -> tuple[list[dict[str, 
     for node, above in nodes:
         carriers[node.typed_id] = joints.get(node.typed_id, carriers.get(above, -1))
         mesh = keep(node.mesh)
-        if mesh is None or not mesh.num_faces or mesh.num_indices > MOST_CORNERS:
+        if mesh is None or not mesh.num_faces or mesh.num_indices > MOST_FBX_CORNERS:
             continue
         number = len(told)
         weights, to_world = _weights(mesh, joints, arrays["bind"])
@@ -36,7 +36,7 @@ def meshes_of(nodes: list[Any], joints: dict[int, int]) -> tuple[list[dict[str, 
 
 
 def clustered(nodes: list[Any]) -> set[int]:
-    """Ids of the nodes to which skins are bound, of any kind."""
+    """Ids of the nodes to which any skin is bound."""
     meshes = [mesh for node in nodes if (mesh := keep(node.mesh)) is not None]
     skins = [skin for mesh in meshes for skin in all_of(mesh.skin_deformers)]
     bones = [keep(cluster.bone_node) for skin in skins for cluster in all_of(skin.clusters)]
@@ -44,7 +44,7 @@ def clustered(nodes: list[Any]) -> set[int]:
 
 
 def _weights(mesh: Any, joints: dict[int, int], bind: FloatArray) -> tuple[FloatArray, FloatArray | None]:
-    """(W, 3) vertex, joint and weight; and the mesh's transform in the bind pose, None without a skin."""
+    """Table (W, 3) of vertex, joint and weight; and the mesh's transform in the bind pose, None without a skin."""
     rows, to_world = [np.empty((0, 3))], None
     for cluster in [each for skin in all_of(mesh.skin_deformers)[:1] for each in all_of(skin.clusters)]:
         bone = keep(cluster.bone_node)
@@ -62,7 +62,7 @@ def _weights(mesh: Any, joints: dict[int, int], bind: FloatArray) -> tuple[Float
 
 
 def _corners(mesh: Any) -> dict[str, FloatArray]:
-    """Values of vertices, normals and texture coordinates, and of each corner of the faces which of them it has."""
+    """Values of vertices, normals and texture coordinates, and the index of each for every corner of the faces."""
     normals, coordinates = keep(mesh.vertex_normal), keep(mesh.vertex_uv)
     found = {"vertices": np.array(numbers_of(mesh.vertices), dtype=np.float64).reshape(-1, 3)}
     corners = [numbers_of(mesh.vertex_indices)]
@@ -78,7 +78,7 @@ def _corners(mesh: Any) -> dict[str, FloatArray]:
 
 
 def _material(material: Any, arrays: dict[str, FloatArray], key: str) -> dict[str, Any]:
-    """Name, colour and pictures: inside the file, or named by it."""
+    """Record of a material: name, colour and pictures, which are inside the file or named by it."""
     kinds = keep(material.fbx), keep(material.pbr)
     colour, base = keep(kinds[0].diffuse_color), keep(kinds[1].base_color)
     texture = keep(base.texture) or keep(colour.texture)

@@ -1,7 +1,7 @@
 """FBX document under construction: objects, and connections between them.
 
-Every object has a number, a name, a class and a kind; connections link an object to its parent object, or to one
-property of it. ``Properties70`` are rows of name, type, label, flags and values.
+Every object has an id, a name, a class and a kind; a connection links an object to its parent, or to one property of
+it. ``Properties70`` are rows of name, type, label, flags and values.
 """
 
 from collections import Counter
@@ -15,15 +15,15 @@ from studio.io.fbx.binary import CREATION_TIME, FBX_VERSION, FILE_ID, FbxElement
 
 FloatArray = NDArray[np.float64]
 
-TICKS = 46_186_158_000
+FBX_TICKS_PER_SECOND = 46_186_158_000
 """Units of FBX's time in a second."""
 _TIME_MODES = {120: 1, 100: 2, 60: 3, 50: 4, 48: 5, 30: 6, 25: 10, 24: 11, 1000: 12, 96: 15, 72: 16}
 """The format's numbers of frame rates in Hz."""
 _CUSTOM_TIME_MODE = 14
 _CREATOR = f"Morpho Studio {__version__}"
 _SCENE = Int64(1)
-WHOLE_SCENE = Int64(0)
-"""The number of what everything hangs from."""
+SCENE_ROOT_ID = Int64(0)
+"""Id of the root of the scene."""
 _FIRST_OBJECT = 1000
 _CLASSES = {
     "NodeAttribute": "NodeAttribute",
@@ -39,65 +39,65 @@ _CLASSES = {
     "AnimationCurveNode": "AnimCurveNode",
     "AnimationCurve": "AnimCurve",
 }
-"""The class that stands behind the name of an object, by the element that it is; clusters of a skin say their own."""
+"""Class that is written after the name of an object, by its element; clusters of a skin state their own."""
 
 
 def row(name: str, kind: str, label: str, flags: str, *values: Value) -> FbxElement:
-    """One property."""
+    """Row of ``Properties70`` with one property."""
     return element("P", name, kind, label, flags, *values)
 
 
 def whole(name: str, value: int) -> FbxElement:
-    """A whole number."""
+    """Property with an integer."""
     return row(name, "int", "Integer", "", value)
 
 
 def choice(name: str, value: int) -> FbxElement:
-    """One of several, by its number."""
+    """Property with an enumeration value, given by its number."""
     return row(name, "enum", "", "", value)
 
 
 def number(name: str, value: float) -> FbxElement:
-    """A number."""
+    """Property with a number."""
     return row(name, "double", "Number", "", value)
 
 
 def animated(name: str, values: Sequence[float]) -> FbxElement:
-    """A vector of the local transform, which curves may move."""
+    """Property with a vector of the local transform, which curves may move."""
     return row(name, name, "", "A", *map(float, values))
 
 
 def moment(name: str, seconds: float) -> FbxElement:
-    """A time."""
+    """Property with a time, given in seconds."""
     return row(name, "KTime", "Time", "", ticks(seconds))
 
 
 def colour(name: str, values: Sequence[float]) -> FbxElement:
-    """Red, green and blue, 0 to 1."""
+    """Property with red, green and blue, 0 to 1."""
     return row(name, "Color", "", "A", *map(float, values))
 
 
 def properties(*rows: FbxElement) -> FbxElement:
-    """The block of an object's properties."""
+    """Block of an object's properties."""
     return block("Properties70", children=rows)
 
 
 def ticks(seconds: float) -> Int64:
-    """A time in the format's unit."""
-    return Int64(round(seconds * TICKS))
+    """Time in units of FBX."""
+    return Int64(round(seconds * FBX_TICKS_PER_SECOND))
 
 
 def matrix(transform: FloatArray) -> FloatArray:
-    """The 16 numbers of a matrix (4, 4) that acts on columns, as the format stores it."""
+    """Matrix (4, 4) that acts on columns, as the 16 numbers that the format stores."""
     return np.ascontiguousarray(transform.T).ravel()
 
 
 class FbxDocument:
-    """Objects and connections of one scene with one animation of ``frame_count`` frames at ``frame_rate`` Hz."""
+    """FBX document of one scene with one animation of ``frame_count`` frames at ``frame_rate`` Hz."""
 
     def __init__(self, name: str, frame_rate: float, frame_count: int) -> None:
         self._frame_rate, self._last = frame_rate, (frame_count - 1) / frame_rate
-        self.key_times = np.round(np.arange(frame_count) * (TICKS / frame_rate)).astype(np.int64)
+        self.key_times = np.round(np.arange(frame_count) * (FBX_TICKS_PER_SECOND / frame_rate)).astype(np.int64)
         self._objects: list[FbxElement] = []
         self._connections: list[FbxElement] = []
         self.pictures: dict[str, Int64] = {}
@@ -112,7 +112,7 @@ class FbxDocument:
         self, kind: str, name: str, subkind: str, children: Sequence[FbxElement], *, within: Int64 | None = None,
         own_class: str = "",
       ) -> Int64:  # fmt: skip
-        """The number of a new object, connected to the one that it is ``within``."""
+        """Add an object, connected to the object ``within`` if given, and return its id."""
         key = Int64(_FIRST_OBJECT + len(self._objects))
         full_name = f"{name}\0\1{own_class or _CLASSES[kind]}"
         self._objects.append(block(kind, key, full_name, subkind, children=children))
@@ -144,7 +144,7 @@ class FbxDocument:
         ]
 
     def _settings(self) -> FbxElement:
-        """Y up, Z towards the viewer, X to the right; centimetres."""
+        """Global settings: Y up, Z towards the viewer, X to the right; centimetres."""
         axes = [
             whole(f"{axis}Axis{sign}", value)
             for axis, index in (("Up", 1), ("Front", 2), ("Coord", 0))
@@ -168,7 +168,9 @@ class FbxDocument:
 
     def _description(self) -> FbxElement:
         active = row("ActiveAnimStackName", "KString", "", "", self._animation)
-        scene = block("Document", _SCENE, "", "Scene", children=[properties(active), element("RootNode", WHOLE_SCENE)])
+        scene = block(
+            "Document", _SCENE, "", "Scene", children=[properties(active), element("RootNode", SCENE_ROOT_ID)]
+        )
         return block("Documents", children=[element("Count", 1), scene])
 
 

@@ -1,4 +1,4 @@
-"""Rotations as the Euler angles of FBX: an order of axes for each joint, degrees that do not jump between frames."""
+"""Rotations as the Euler angles of FBX: one order of axes for each joint, degrees that do not jump between frames."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +8,7 @@ from studio.core.rotations import to_euler
 FloatArray = NDArray[np.float64]
 
 FBX_ORDERS = ("XYZ", "XZY", "YZX", "YXZ", "ZXY", "ZYX")
-"""By the format's number of each, in the order in which the rotations act about the parent's axes."""
+"""Orders of axes at the index that the format uses; the rotations act in this order about the parent's axes."""
 _NEAR_LOCK = np.radians(70.0)
 """The second angle beyond which another order is looked for: at 90 degrees the first and third are one."""
 _DIGITS = 9
@@ -16,9 +16,9 @@ _DIGITS = 9
 
 
 def euler_curves(rotations: FloatArray) -> tuple[int, FloatArray]:
-    """Number of an order, and angles (F, 3) in degrees about X, Y and Z, of unit quaternions (F, 4).
+    """Index of an order in ``FBX_ORDERS``, and angles (F, 3) in degrees about X, Y and Z, of unit quaternions (F, 4).
 
-    The order is the first in ``FBX_ORDERS`` that stays away from gimbal lock, or else the one that stays farthest away.
+    The order is the first one that stays away from gimbal lock, or else the one that stays farthest away.
     """
     best = np.inf
     for number, order in enumerate(FBX_ORDERS):
@@ -35,9 +35,9 @@ def euler_curves(rotations: FloatArray) -> tuple[int, FloatArray]:
 
 
 def _continuous(angles: FloatArray) -> FloatArray:
-    """The same rotations (F, 3) by the angles nearest to those of the frame before.
+    """Angles (F, 3) of the same rotations, nearest to those of the previous frame.
 
-    (a, b, c) and (a + pi, pi - b, c + pi) are one rotation: choosing the nearer one leaves whole turns to be added.
+    (a, b, c) and (a + pi, pi - b, c + pi) are one rotation: after the nearer one is chosen, only whole turns are added.
     """
     rough: FloatArray = np.round(angles, _DIGITS)
     other = rough * [1.0, -1.0, 1.0] + np.pi

@@ -10,16 +10,18 @@ from studio.io.scene.character import character_in
 
 
 def load_capture(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
-    """The capture in the FBX file at ``path``: its longest animation. Raises StudioError with what to do."""
+    """Capture in the FBX file at ``path``: its longest animation. Raises StudioError with what to do."""
     return capture_in(FBX_READER.read(path, "motion", progress), path, options, progress)
 
 
 def load_character(path: Path, options: ImportOptions, progress: Progress) -> ReadCharacter:
-    """Read joints, meshes and materials, and find the body. Raises StudioError with what to do."""
+    """Character in the FBX file at ``path``: joints, meshes, materials and the body. Raises StudioError with what to
+    do.
+    """
     return character_in(FBX_READER.read(path, "figure", progress), path, options, progress)
 
 
 def load_either(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture | ReadCharacter:
-    """The character of a file in which a skin hangs from joints, else the capture. Raises StudioError."""
+    """Character if a skin of the file is bound to joints, else the capture. Raises StudioError."""
     arrays = FBX_READER.read(path, "either", progress)
     return (capture_in if "frames" in arrays else character_in)(arrays, path, options, progress)

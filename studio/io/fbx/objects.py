@@ -15,23 +15,23 @@ _kept: list[Any] = []
 
 
 def keep(thing: Any) -> Any:
-    """The object itself, kept alive until the process ends."""
+    """The object ``thing`` itself, kept alive until the process ends."""
     _kept.append(thing)
     return thing
 
 
 def all_of(things: Any) -> list[Any]:
-    """Elements of one of ufbx's lists of objects."""
+    """Elements of a list of objects of ufbx."""
     keep(things)
     return [keep(things[place]) for place in range(len(things))]
 
 
 def numbers_of(things: Any) -> list[Any]:
-    """Elements of one of ufbx's lists of numbers or vectors."""
+    """Elements of a list of numbers or vectors of ufbx."""
     keep(things)
     return [things[place] for place in range(len(things))]
 
 
 def matrix_of(matrix: Any) -> FloatArray:
-    """(3, 4), its last column the position."""
+    """Matrix (3, 4) whose last column is the position."""
     return np.array([matrix.c0, matrix.c1, matrix.c2, matrix.c3], dtype=np.float64).T

@@ -1,4 +1,4 @@
-"""FBX files as arrays, read by ufbx in a child process."""
+"""Reading of FBX files as arrays, by ufbx in a child process."""
 
 from studio.io.scene.scene_reader import SceneReader
 

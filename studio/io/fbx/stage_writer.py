@@ -1,17 +1,19 @@
-"""Whole stage as binary FBX 7.4: a node for each performer with its joints and skin, meshes of props, cameras."""
+"""Writer of a whole stage as binary FBX 7.4: a node for each performer with joints and skin, meshes of
+props, cameras.
+"""
 
 from pathlib import Path
 
 import numpy as np
 
 from studio.core.rotations import from_matrix
-from studio.core.stage.saved_camera import CAMERA_ASPECT, FARTHEST_SEEN, NEAREST_SEEN, VIEW_ANGLE, SavedCamera
+from studio.core.stage.saved_camera import CAMERA_ASPECT, CAMERA_FAR_METRES, CAMERA_NEAR_METRES, VIEW_ANGLE, SavedCamera
 from studio.io.fbx.binary import element
-from studio.io.fbx.document import WHOLE_SCENE, FbxDocument, animated, choice, number, properties, row
+from studio.io.fbx.document import SCENE_ROOT_ID, FbxDocument, animated, choice, number, properties, row
 from studio.io.fbx.euler import euler_curves
 from studio.io.fbx.take_writer import (
     CENTIMETRES_PER_METRE,
-    CURVES_PROGRESS,
+    CURVES_DONE_FRACTION,
     WORLD_TO_FILE,
     geometry,
     node,
@@ -25,26 +27,26 @@ from studio.io.registry import Progress
 from studio.io.takes.exported_stage import ExportedProp, ExportedStage
 
 CAMERA_FOCAL_LENGTH, MILLIMETRES_PER_INCH = 50.0, 25.4
-"""Focal length in millimetres of every camera; sizes of films are in inches."""
-FILM_HEIGHT = 2.0 * CAMERA_FOCAL_LENGTH * np.tan(VIEW_ANGLE / 2) / MILLIMETRES_PER_INCH
-ORTHOGRAPHIC_WIDTH = 30.0
-"""Centimetres over which a parallel camera of zoom 1 sees, as FBX has it."""
+"""Focal length of every camera in millimetres, and millimetres in the inches in which film sizes are written."""
+FILM_HEIGHT_INCHES = 2.0 * CAMERA_FOCAL_LENGTH * np.tan(VIEW_ANGLE / 2) / MILLIMETRES_PER_INCH
+ORTHOGRAPHIC_WIDTH_CENTIMETRES = 30.0
+"""Width in centimetres that a parallel camera of zoom 1 sees in FBX."""
 _FIXED_RATIO, _VERTICAL_APERTURE = 1, 2
 """Numbers of FBX's ways to state the shape of the picture and the angle of view."""
 
 
 def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
-    """Write all performers, props and cameras of a stage on one clock, at their positions.
+    """Write all performers, props and cameras of a stage with common frames, at their positions.
 
-    As ``take_writer.write_take``. Raises StudioError if the file cannot be written.
+    Units, axes and accuracy are those of ``take_writer.write_take``. Raises StudioError if the file cannot be written.
     """
     document = FbxDocument(stage.name, stage.frame_rate, stage.frame_count)
     for index, take in enumerate(stage.takes):
 
         def reported(share: float, index: int = index) -> None:
-            progress(CURVES_PROGRESS * (index + share) / len(stage.takes), f"Writing {path.name}")
+            progress(CURVES_DONE_FRACTION * (index + share) / len(stage.takes), f"Writing {path.name}")
 
-        performer = document.add("Model", take.name, "Null", node(), within=WHOLE_SCENE)
+        performer = document.add("Model", take.name, "Null", node(), within=SCENE_ROOT_ID)
         document.add("NodeAttribute", take.name, "Null", [element("TypeFlags", "Null")], within=performer)
         put_take(document, take, performer, reported)
     for prop in stage.props:
@@ -58,7 +60,7 @@ def _put_prop(document: FbxDocument, prop: ExportedProp) -> None:
     places = positions_in_file(prop.places)
     order, angles = euler_curves(prop.rotations[:, [*WORLD_TO_FILE, 3]])
     begun = animated("Lcl Translation", places[0]), animated("Lcl Rotation", angles[0])
-    key = document.add("Model", prop.name, "Mesh", node(*begun, order=order), within=WHOLE_SCENE)
+    key = document.add("Model", prop.name, "Mesh", node(*begun, order=order), within=SCENE_ROOT_ID)
     put_material(document, prop.material, key)
     surface = prop.surface
     kinds = np.zeros(len(surface.triangles), np.int32)
@@ -77,7 +79,7 @@ def _put_camera(document: FbxDocument, camera: SavedCamera) -> None:
     order, angles = euler_curves(from_matrix(looking[WORLD_TO_FILE])[None])
     eye, target, upward = positions_in_file(np.stack([placement.eye, placement.target, up]))
     begun = animated("Lcl Translation", eye), animated("Lcl Rotation", angles[0])
-    key = document.add("Model", camera.name, "Camera", node(*begun, order=order), within=WHOLE_SCENE)
+    key = document.add("Model", camera.name, "Camera", node(*begun, order=order), within=SCENE_ROOT_ID)
     width = 2.0 * CENTIMETRES_PER_METRE * CAMERA_ASPECT * placement.half_height
     rows = [
         choice("CameraProjectionType", int(placement.parallel)),
@@ -87,12 +89,12 @@ def _put_camera(document: FbxDocument, camera: SavedCamera) -> None:
         choice("ApertureMode", _VERTICAL_APERTURE),
         row("FieldOfView", "FieldOfView", "", "A", float(np.degrees(VIEW_ANGLE))),
         row("FocalLength", "Number", "", "A", CAMERA_FOCAL_LENGTH),
-        number("FilmWidth", CAMERA_ASPECT * FILM_HEIGHT),
-        number("FilmHeight", FILM_HEIGHT),
+        number("FilmWidth", CAMERA_ASPECT * FILM_HEIGHT_INCHES),
+        number("FilmHeight", FILM_HEIGHT_INCHES),
         number("FilmAspectRatio", CAMERA_ASPECT),
-        number("OrthoZoom", width / ORTHOGRAPHIC_WIDTH),
-        number("NearPlane", CENTIMETRES_PER_METRE * NEAREST_SEEN),
-        number("FarPlane", CENTIMETRES_PER_METRE * FARTHEST_SEEN),
+        number("OrthoZoom", width / ORTHOGRAPHIC_WIDTH_CENTIMETRES),
+        number("NearPlane", CENTIMETRES_PER_METRE * CAMERA_NEAR_METRES),
+        number("FarPlane", CENTIMETRES_PER_METRE * CAMERA_FAR_METRES),
         number("FocusDistance", CENTIMETRES_PER_METRE * placement.distance),
     ]
     about = [

@@ -1,4 +1,6 @@
-"""Take as binary FBX 7.4: joints, skin with its bind pose, materials, and curves with a key at every frame."""
+"""Writer of a take as binary FBX 7.4: joints, skin with its bind pose, materials, and curves with a key at
+every frame.
+"""
 
 import hashlib
 from collections.abc import Callable, Iterator, Sequence
@@ -14,7 +16,7 @@ from studio.io.atomic_write import write_pieces
 from studio.io.export import Take, plain_material, skin_of
 from studio.io.fbx.binary import FbxElement, Int64, block, element, encode_document
 from studio.io.fbx.document import (
-    WHOLE_SCENE,
+    SCENE_ROOT_ID,
     FbxDocument,
     animated,
     choice,
@@ -29,19 +31,19 @@ from studio.io.fbx.euler import euler_curves
 from studio.io.registry import Progress
 
 FloatArray = NDArray[np.float64]
-Share = Callable[[float], None]
-"""Hears a share of the work from 0 to 1; it may raise to cancel."""
+ProgressFraction = Callable[[float], None]
+"""Callback for the fraction of the work that is done, 0 to 1; it may raise an exception to cancel."""
 
 CENTIMETRES_PER_METRE = 100.0
-"""A metre."""
+"""Centimetres in a metre; files are in centimetres."""
 WORLD_TO_FILE = [1, 2, 0]
-"""Y up, facing +Z: file x is world Y (left), y is Z (up), z is X (forward)."""
+"""World axis of each file axis, Y up and facing +Z: file x is world Y (left), y is Z (up), z is X (forward)."""
 _TRAVELS = 1e-7
 """Metres by which a joint must leave its offset to have curves of its position."""
 _DETACHED = 2e-6
 """Metres, a fifth of the accuracy of the file."""
-CURVES_PROGRESS = 0.8
-"""The share of the work after which all curves are made."""
+CURVES_DONE_FRACTION = 0.8
+"""Fraction of the work after which all curves are made."""
 _EVEN = 1e-6
 """Relative difference of a scale that is one."""
 _LINEAR = 4
@@ -51,19 +53,22 @@ _PIECE = 1 << 20
 
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:
-    """Write joints, animation and the character's skin, or a figure of bones where there is none.
+    """Write joints, animation and the character's skin, or a figure of bones if it has none.
 
-    Centimetres, Y up, facing +Z; every angle is zero in the zero pose of the skeleton, the bind pose is that of the
-    skin. Read back, every joint is within 0.01 mm and 0.01 degrees. Raises StudioError when the file cannot be written.
+    The file is in centimetres, Y up, facing +Z; every angle is zero in the zero pose of the skeleton, and the bind pose
+    is that of the skin. Read back, every joint is within 0.01 mm and 0.01 degrees. Raises StudioError if the file
+    cannot be written.
     """
     document = FbxDocument(take.name, take.frame_rate, take.poses.frame_count)
-    put_take(document, take, WHOLE_SCENE, lambda share: progress(CURVES_PROGRESS * share, f"Writing {path.name}"))
+    put_take(
+        document, take, SCENE_ROOT_ID, lambda share: progress(CURVES_DONE_FRACTION * share, f"Writing {path.name}")
+    )
     write_document(path, document, progress)
 
 
 def write_document(path: Path, document: FbxDocument, progress: Progress) -> None:
-    """Write the finished document; progress continues from ``CURVES_PROGRESS``."""
-    write_pieces(path, _reported(document.elements(), lambda: progress(CURVES_PROGRESS, f"Writing {path.name}")))
+    """Write the finished document; progress continues from ``CURVES_DONE_FRACTION``."""
+    write_pieces(path, _reported(document.elements(), lambda: progress(CURVES_DONE_FRACTION, f"Writing {path.name}")))
     progress(1.0, f"Wrote {path.name}")
 
 
@@ -74,8 +79,8 @@ def _reported(elements: Sequence[FbxElement], report: Callable[[], None]) -> Ite
             yield memoryview(piece)[first : first + _PIECE]
 
 
-def put_take(document: FbxDocument, take: Take, parent: Int64, progress: Share) -> None:
-    """Add the joints, curves and skin of ``take`` below ``parent``, 0 for the scene itself."""
+def put_take(document: FbxDocument, take: Take, parent: Int64, progress: ProgressFraction) -> None:
+    """Add the joints, curves and skin of ``take`` below the node ``parent``, 0 for the scene itself."""
     skin = skin_of(take)
     joints = _put_joints(document, take, skin, parent, progress)
     axes = _turned(skin.bind_rotations)
@@ -99,8 +104,10 @@ def put_take(document: FbxDocument, take: Take, parent: Int64, progress: Share) 
     document.add("Pose", take.name, "BindPose", [*about, *nodes])
 
 
-def _put_joints(document: FbxDocument, take: Take, skin: JointSkin, parent: Int64, progress: Share) -> list[Int64]:
-    """Add the joints in the skeleton's zero pose, and their curves; nodes that carry bones are empties."""
+def _put_joints(
+    document: FbxDocument, take: Take, skin: JointSkin, parent: Int64, progress: ProgressFraction
+) -> list[Int64]:
+    """Add the joints in the zero pose of the skeleton, and their curves; nodes that only carry bones become empties."""
     skeleton, poses = take.skeleton, take.poses
     scales, units = skin.local_scales(skeleton.parents)
     offsets = positions_in_file(skeleton.offsets) / units[:, None]
@@ -134,7 +141,7 @@ def _put_joints(document: FbxDocument, take: Take, skin: JointSkin, parent: Int6
 
 
 def _travelling(take: Take) -> NDArray[np.bool_]:
-    """(J,) True for joints that leave their offset."""
+    """Mask (J,) of joints that leave their offset."""
     away = np.abs(take.poses.local_translations - take.skeleton.offsets)
     return np.asarray(away.max(axis=(0, 2)) > _TRAVELS)
 
@@ -169,7 +176,7 @@ def node(*rows: FbxElement, order: int = 0) -> list[FbxElement]:
 
 
 def put_curves(document: FbxDocument, node: Int64, of_property: str, name: str, values: FloatArray) -> None:
-    """Add three curves with a key at every frame, ``values`` (F, 3), of one property of a node."""
+    """Add three curves of one property of a node, with a key at every frame; ``values`` (F, 3)."""
     axes = "XYZ"
     first = [row(f"d|{axis}", "Number", "", "A", float(value)) for axis, value in zip(axes, values[0], strict=True)]
     curves = document.add("AnimationCurveNode", name, "", [properties(*first)], within=document.layer)
@@ -205,7 +212,7 @@ MAP_PROPERTIES = {
 
 
 def put_material(document: FbxDocument, material: Material, mesh: Int64) -> None:
-    """Add a material of a mesh, with its picture inside the file."""
+    """Add a material of a mesh, with its pictures inside the file."""
     colours = "#FFFFFF" if material.texture is not None else material.colour
     shares = [int(colours[place : place + 2], 16) / 255.0 for place in (1, 3, 5)]
     about = [
@@ -250,8 +257,9 @@ def geometry(
     kinds: NDArray[np.int32],
     coordinates: NDArray[np.float32] | None = None,
 ) -> list[FbxElement]:
-    """A mesh of ``vertices`` (V, 3) metres with ``normals`` (V, 3), ``triangles`` (T, 3), the material ``kinds`` (T,)
-    of each, and ``coordinates`` (V, 2) in its textures.
+    """Elements of a mesh with ``vertices`` (V, 3) in metres, ``normals`` (V, 3) and ``triangles`` (T, 3).
+
+    ``kinds`` (T,) are the materials of the triangles, and ``coordinates`` (V, 2) those in the textures.
     """
     corners = triangles.astype(np.int32)
     ended = corners ^ np.array([0, 0, -1], np.int32)  # the last corner of a polygon is stored as its complement
@@ -311,7 +319,7 @@ def _put_skin(
 
 
 def positions_in_file(points: FloatArray) -> FloatArray:
-    """Positions in centimetres and the file's axes, from metres (..., 3) in the world."""
+    """Positions (..., 3) in centimetres and file axes, of ``points`` (..., 3) in metres and world axes."""
     return np.asarray(CENTIMETRES_PER_METRE * points[..., WORLD_TO_FILE])
 
 
@@ -320,12 +328,12 @@ def _turned_vectors(directions: FloatArray) -> FloatArray:
 
 
 def _turned(rotations: FloatArray) -> FloatArray:
-    """Rotations (..., 3, 3) of the world in the file's axes."""
+    """Rotations (..., 3, 3) in file axes, of those in world axes."""
     return rotations[..., WORLD_TO_FILE, :][..., WORLD_TO_FILE]
 
 
 def _placed(position: FloatArray, rotation: FloatArray) -> FloatArray:
-    """(4, 4) of a position and a rotation."""
+    """Matrix (4, 4) of a position and a rotation."""
     placed = np.eye(4)
     placed[:3, :3], placed[:3, 3] = rotation, position
     return placed

@@ -1,1 +1,1 @@
-"""Character as read from any file: its joints, skin and pictures, and the body found in it."""
+"""Figures: characters as read from any file, with joints, skin and pictures, and the body found in them."""

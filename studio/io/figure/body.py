@@ -19,7 +19,7 @@ from studio.core.captures.reference_pose import stance_deviations
 from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Appearance, Material
 from studio.core.mesh.character import Character
-from studio.core.mesh.rig import NO_SEGMENT, Rig, RigFile
+from studio.core.mesh.rig import UNMOVED_JOINT, Rig, RigFile
 from studio.core.rigs.embodiment import (
     bound_mesh,
     measured_body,
@@ -29,8 +29,8 @@ from studio.core.rigs.embodiment import (
     segments_of_joints,
 )
 from studio.io.figure.body_maps import find_body, loose_feet, loose_hands, named_sides, similar_joints
-from studio.io.figure.figure import NO_SKELETON, Figure, MeshPiece
-from studio.io.guessing import find_unit, stated_unit
+from studio.io.figure.figure import NO_SKELETON_MESSAGE, Figure, MeshPiece
+from studio.io.guessing import choose_unit, unit_of_metres
 from studio.io.importing import ImportOptions
 from studio.io.meshes.shapes import unit
 from studio.io.registry import ReadCharacter
@@ -39,12 +39,12 @@ from studio.io.up_axis import turn_to_world
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
-PLAIN_COLOUR = "#B4BEC8"
-MOST_INFLUENCES = 8
-"""Joints from which a vertex of a rig hangs."""
-FBX_UNIT = 0.01
-"""Metres."""
-NO_RIG = "Its joints are mirrored, sheared or share a name, so exports have those of the studio."
+PLAIN_SKIN_COLOUR = "#B4BEC8"
+MOST_RIG_INFLUENCES = 8
+"""Maximum number of joints to which a vertex of a rig is bound."""
+FBX_UNIT_METRES = 0.01
+"""Unit of an FBX file in metres."""
+NO_RIG_MESSAGE = "Its joints are mirrored, sheared or share a name, so exports have those of the studio."
 """Repair of a character that is not exported on its own joints."""
 _LIMB_DEPTH = 3
 """Joints above an ankle at least: a root, a hip and a knee."""
@@ -53,7 +53,7 @@ _HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
 
 @dataclass(frozen=True, eq=False)
 class _Body:
-    """Figure with a body map: ``points`` (J, 3) in the world, ``to_world`` (3, 3) scaled."""
+    """Figure with a body map: ``points`` (J, 3) in the world, and ``to_world`` (3, 3), a rotation with scale."""
 
     figure: Figure
     skeleton: Skeleton
@@ -62,9 +62,9 @@ class _Body:
     to_world: FloatArray
     guesses: tuple[Guess, ...]
     hung: Figure
-    """The figure as its own joints hang, whatever else they hang from to be a body."""
+    """Figure with the hierarchy of its own file, whatever parents its joints have in the body."""
     order: IntArray
-    """(J,) for each joint of ``figure`` the one of ``hung``."""
+    """Index (J,) in ``hung`` of each joint of ``figure``."""
 
     @property
     def fault(self) -> float:
@@ -90,7 +90,8 @@ def character_of(figures: Sequence[Figure], options: ImportOptions) -> ReadChara
 
 
 def remapped_character(character: Character, names: Mapping[str, str]) -> Character:
-    """Character measured and bound again, with the joints of its own rig named for each part as in ``BodyMap.to_json``.
+    """Character that is measured and bound again with ``names``, joints of its own rig by part, as in
+    ``BodyMap.to_json``.
 
     Raises StudioError if it has no rig, or the joints make no body.
     """
@@ -179,7 +180,7 @@ def _check_limbs(figure: Figure, body_map: BodyMap) -> None:
 def _rooted(figure: Figure) -> Figure:
     """Figure with one root above all joints."""
     if not figure.joint_names:
-        raise StudioError(f"{figure.source} {NO_SKELETON}")
+        raise StudioError(f"{figure.source} {NO_SKELETON_MESSAGE}")
     if figure.parents.count(-1) == 1 and figure.parents[0] == -1:
         return figure
     name = "scene" + "_" * sum(each.startswith("scene") for each in figure.joint_names)
@@ -211,7 +212,7 @@ def _find(figure: Figure, skeleton: Skeleton, options: ImportOptions) -> tuple[B
         reason = "The names of its joints say nothing; legs reach lowest, arms widest, the head highest."
         return by_shape, Guess("body map", f"{len(by_shape.parts)} parts by shape", reason, Confidence.LIKELY)
     if _deepest(skeleton) < _LIMB_DEPTH:
-        raise StudioError(f"{figure.source} {NO_SKELETON}")
+        raise StudioError(f"{figure.source} {NO_SKELETON_MESSAGE}")
     offers = {limb: similar_joints(skeleton, limb) for limb in found.missing}
     words = "; ".join(f"no {limb} (candidates: {', '.join(names) or 'none'})" for limb, names in offers.items())
     raise StudioError(
@@ -229,7 +230,7 @@ def _deepest(skeleton: Skeleton) -> int:
 
 
 def _upright(figure: Figure, body_map: BodyMap, up_axis: str | None) -> FloatArray:
-    """(3, 3) rotation from the file's axes that aligns trunk and left side with +Z and +Y; tilts below 30 degrees are
+    """Rotation (3, 3) from the file's axes that aligns trunk and left side with +Z and +Y; tilts below 30 degrees are
     kept.
     """
     points = figure.positions
@@ -255,7 +256,7 @@ def _upright(figure: Figure, body_map: BodyMap, up_axis: str | None) -> FloatArr
 
 
 def _snapped(vector: FloatArray, degrees: float) -> FloatArray:
-    """Direction, or an axis of the file within ``degrees`` of it."""
+    """Direction ``vector``, or the axis of the file within ``degrees`` of it."""
     length = np.linalg.norm(vector)
     if length < 1e-9:
         return np.zeros(3)
@@ -279,7 +280,7 @@ def _leg(points: FloatArray, body_map: BodyMap) -> float:
 def _scale(figure: Figure, leg: float, unit_name: str | None) -> tuple[float, Guess | None]:
     if not np.isfinite(leg) or leg < 1e-9:
         raise StudioError(f"{figure.source}: its legs have no length. Export it with its skeleton standing.")
-    scale, guess = find_unit(leg, stated_unit(figure.metres), unit_name)
+    scale, guess = choose_unit(leg, unit_of_metres(figure.metres), unit_name)
     return scale.metres, guess
 
 
@@ -314,7 +315,7 @@ def _embodied(body: _Body, guesses: list[Guess]) -> ReadCharacter:
     away = standing_points(measures, stance)[0] - root + (points[0] - body.points[0])
     rig = _rig(body, segments, rolled.tolist(), joints, weights, away)
     if rig is None:
-        repairs.append(NO_RIG)
+        repairs.append(NO_RIG_MESSAGE)
     skin = replace(skin, rig=rig)
     character = Character(figure.name.replace("_", " "), _colour(appearance), measures, skin)
     names = body.body_map.to_json(body.skeleton)
@@ -324,9 +325,10 @@ def _embodied(body: _Body, guesses: list[Guess]) -> ReadCharacter:
 def _rig(
     body: _Body, segments: IntArray, rolled: Sequence[bool], joints: IntArray, weights: FloatArray, away: FloatArray
 ) -> Rig | None:
-    """The file's own joints, ``away`` (3,) from the figure's; None where they are mirrored, sheared or share a name.
+    """Rig of the file's own joints; None if they are mirrored, sheared or share a name.
 
-    A toe joint that lies too near its ankle to roll over moves with its foot.
+    ``away`` (3,) is the displacement from the figure. A toe joint that is too near its ankle to roll over moves with
+    its foot.
     """
     hung, order, spine = body.hung, body.order, body.body_map.spine
     turn = body.to_world / np.cbrt(np.linalg.det(body.to_world))
@@ -337,9 +339,9 @@ def _rig(
         toe = len(spine) + 13 + 4 * side
         if is_rolled:
             own[own == toe] = toe - 1
-    own[list(body.skeleton.path(0, spine[0]))[:-1]] = NO_SEGMENT
+    own[list(body.skeleton.path(0, spine[0]))[:-1]] = UNMOVED_JOINT
     place = np.argsort(order)
-    strongest = np.argsort(-weights, axis=1, kind="stable")[:, :MOST_INFLUENCES]
+    strongest = np.argsort(-weights, axis=1, kind="stable")[:, :MOST_RIG_INFLUENCES]
     kept = np.take_along_axis(weights, strongest, axis=1)
     return Rig(
         hung.joint_names,
@@ -354,14 +356,14 @@ def _rig(
 
 
 def _rig_file(body: _Body, turn: FloatArray, away: FloatArray, used: IntArray) -> RigFile | None:
-    """Rest of the figure as its own joints hang, ``turn`` (3, 3) and ``away`` (3,) from its own world.
+    """Bind pose in the file's own hierarchy; ``turn`` (3, 3) and ``away`` (3,) lead from the figure's world.
 
-    Joints from which the skin hangs (``used``) are bones.
+    Joints to which the skin is bound (``used``) are bones.
     """
     hung, count = body.hung, len(body.hung.joint_names)
     if hung.to_studio is None:
         return None
-    unit_length = FBX_UNIT if hung.kind == "FBX" else 1.0
+    unit_length = FBX_UNIT_METRES if hung.kind == "FBX" else 1.0
     metres = np.cbrt(np.linalg.det(body.to_world))
     scales = np.full(count, unit_length) if hung.scales is None else metres * hung.scales
     bones = np.ones(count, bool) if hung.bones is None else np.array(hung.bones)
@@ -394,7 +396,7 @@ def _padded(piece: MeshPiece, width: int) -> tuple[IntArray, FloatArray]:
 
 
 def _grounded(body: _Body, vertices: FloatArray, shares: FloatArray) -> tuple[Skeleton, FloatArray]:
-    """The skeleton in the world with its soles on z = 0, end sites put where hands and feet have no children."""
+    """Skeleton in the world with its soles on z = 0; end sites are added to hands and feet without children."""
     layout = BodyLayout(len(body.body_map.spine))
     feet = [segment(side) for side in (0, 1) for segment in (layout.foot_segment, layout.toe_segment)]
     soles = vertices[shares[:, feet].sum(axis=1) > 0.5]
@@ -421,14 +423,14 @@ def _grounded(body: _Body, vertices: FloatArray, shares: FloatArray) -> tuple[Sk
 
 
 def _appearance(pieces: Sequence[MeshPiece]) -> Appearance | None:
-    """Materials of the pieces, each once although every mesh of a file may have its own copy; the same for pictures."""
+    """Materials of the pieces, each once, although every mesh of a file may have its own copy; pictures too."""
     materials: dict[tuple[object, ...], Material] = {}
     pictures: dict[bytes, NDArray[np.uint8]] = {}
     indices = []
     if all(piece.material is None for piece in pieces):
         return None
     for piece in pieces:
-        material = piece.material or Material("", PLAIN_COLOUR)
+        material = piece.material or Material("", PLAIN_SKIN_COLOUR)
         once = {name: pictures.setdefault(each.tobytes(), each) for name, each in material.maps.items()}
         picture = material.texture
         if picture is not None:
@@ -448,9 +450,11 @@ def _appearance(pieces: Sequence[MeshPiece]) -> Appearance | None:
 def _colour(appearance: Appearance | None) -> str:
     """Colour of most triangles, which identifies the character on timeline and stage."""
     if appearance is None:
-        return PLAIN_COLOUR
+        return PLAIN_SKIN_COLOUR
     most = int(np.bincount(appearance.triangle_materials).argmax())
     material = appearance.materials[most]
     return (
-        PLAIN_COLOUR if material.texture is not None or material.colour in ("#FFFFFF", "#000000") else material.colour
+        PLAIN_SKIN_COLOUR
+        if material.texture is not None or material.colour in ("#FFFFFF", "#000000")
+        else material.colour
     )

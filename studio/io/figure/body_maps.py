@@ -1,4 +1,4 @@
-"""Body maps of skeletons, by the naming tables in ``resources/body_maps``."""
+"""Body maps of skeletons, found by the naming tables in ``resources/body_maps``."""
 
 import json
 import re
@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.body.body_matching import LOOSE_VARIATION, MOST_VARIATION, BodyMatch, BodySearch
+from studio.core.body.body_matching import MOST_BONE_VARIATION, MOST_LOOSE_BONE_VARIATION, BodyMatch, BodySearch
 from studio.core.body.humanoid import LIMB_PARTS, BodyMap, BodyPart, is_spine, part_named
 from studio.core.body.skeleton import Skeleton
 from studio.core.errors import StudioError
@@ -40,7 +40,7 @@ _SHARED = 0.9
 
 @dataclass(frozen=True)
 class NamingFamily:
-    """Names that one group of programs gives to the joints, the likeliest first."""
+    """Names that one group of programs gives to the joints of each part, the likeliest first."""
 
     name: str
     names: Mapping[BodyPart, tuple[str, ...]]
@@ -48,7 +48,7 @@ class NamingFamily:
 
 @dataclass(frozen=True)
 class FoundBody:
-    """Body map, the naming family by which it was found, and the missing parts."""
+    """Result of a search for a body: its map, the naming family by which it was found, and the missing parts."""
 
     body_map: BodyMap | None
     family: str
@@ -63,11 +63,11 @@ def naming_families() -> tuple[NamingFamily, ...]:
 
 
 def find_body(skeleton: Skeleton, positions: FloatArray, chosen: Mapping[str, str] | None = None) -> FoundBody:
-    """Body in ``skeleton`` with some world positions (F, J, 3) of its motion, in any unit.
+    """Body in ``skeleton``, found by names and by some world positions (F, J, 3) of its motion, in any unit.
 
-    ``chosen`` names joints for parts (as in ``BodyMap.to_json``) that need no search; an empty name for a part that the
-    body lacks. If all limbs are chosen their bones are not checked. Raises StudioError if a chosen part or joint does
-    not exist or the chosen ones do not make a body.
+    ``chosen`` names joints for parts (as in ``BodyMap.to_json``) that need no search; an empty name is for a part that
+    the body lacks. If all limbs are chosen their bones are not checked. Raises StudioError if a chosen part or joint
+    does not exist, or if the chosen ones do not make a body.
     """
     fixed = _fixed(skeleton, chosen or {})
     family, best = _best_match(skeleton, positions, fixed)
@@ -86,7 +86,7 @@ def _best_match(skeleton: Skeleton, positions: FloatArray, fixed: dict[BodyPart,
     if all(limbs.values()):
         known = {part: joints[0] for part, joints in limbs.items() if joints}
         return "the joints chosen", BodySearch(skeleton, positions).match_around_limbs(known, every)
-    for most in (MOST_VARIATION, LOOSE_VARIATION):
+    for most in (MOST_BONE_VARIATION, MOST_LOOSE_BONE_VARIATION):
         search = BodySearch(skeleton, positions, most)
         tries = [(family.name, search.best_match(_candidates(family, by_name) | fixed)) for family in naming_families()]
         tries.append(("names of several families", search.best_match(every)))
@@ -97,9 +97,9 @@ def _best_match(skeleton: Skeleton, positions: FloatArray, fixed: dict[BodyPart,
 
 
 def find_preset(skeleton: Skeleton, positions: FloatArray, family: NamingFamily) -> BodyMap:
-    """The body whose joints have the names of ``family``. Raises StudioError with the limbs that have none."""
+    """Body map whose joints have the names of ``family``. Raises StudioError, which lists the limbs without joints."""
     candidates = _candidates(family, _joints_by_name(skeleton, positions))
-    match = BodySearch(skeleton, positions, LOOSE_VARIATION).best_match(candidates)
+    match = BodySearch(skeleton, positions, MOST_LOOSE_BONE_VARIATION).best_match(candidates)
     if match.body_map is None:
         raise StudioError(
             f"The names of {family.name} show no {' and no '.join(match.missing)}. Choose another preset or joints."
@@ -108,7 +108,9 @@ def find_preset(skeleton: Skeleton, positions: FloatArray, family: NamingFamily)
 
 
 def read_body_map(path: Path) -> dict[str, str]:
-    """Names of joints by part, as ``BodyMap.to_json`` gives them. Raises StudioError for a file of something else."""
+    """Names of joints by part in a file, as in ``BodyMap.to_json``. Raises StudioError if the file holds something
+    else.
+    """
     names = read_json(path)
     if not isinstance(names, dict) or not all(isinstance(name, str) for name in names.values()):
         raise StudioError(f'{path}: a body map is a record of joints by part, {{"pelvis": "Hips", ...}}.')
@@ -116,7 +118,7 @@ def read_body_map(path: Path) -> dict[str, str]:
 
 
 def loose_feet(skeleton: Skeleton) -> dict[int, int]:
-    """Shank of each foot that is not its child, by the foot; none in most files.
+    """Shank of each foot that is not its child, by foot; empty for most files.
 
     Rigs for inverse kinematics keep feet below the root.
     """
@@ -142,7 +144,7 @@ def _loose_ends(skeleton: Skeleton, *limbs: str) -> dict[int, int]:
 
 
 def named_sides(skeleton: Skeleton) -> NDArray[np.int64]:
-    """(J,) 1 for joints whose names say left, -1 for right, 0 for the others."""
+    """Sides (J,) of joints by their names: 1 left, -1 right, 0 neither."""
     places = {"left": 1, "right": -1}
     found = (
         next((_sided(part) for part in spellings if _sided(part)[:1] != " "), "") for spellings in _spellings(skeleton)
@@ -151,7 +153,7 @@ def named_sides(skeleton: Skeleton) -> NDArray[np.int64]:
 
 
 def similar_joints(skeleton: Skeleton, limb: str) -> list[str]:
-    """Joint names that might belong to ``limb`` (``left arm``), as suggestions when it was not found."""
+    """Names of joints that might belong to ``limb`` (``left arm``), as suggestions when it was not found."""
     parts = LIMB_PARTS.get(limb, (BodyPart.PELVIS, BodyPart.HEAD))
     words = {_plain(word) for part in parts for word in _all_families().names[part]}
     side = limb.split()[0]
@@ -200,7 +202,7 @@ def _sided(name: str, order: int = 1) -> str:
 
 
 def _reversed(name: str) -> str:
-    """Normalised name of ``arm_upper_L``, the same as ``_sided`` gives for ``upper_arm.L``."""
+    """Normalised name with its words reversed, so that ``arm_upper_L`` equals ``upper_arm.L``."""
     return _sided(name, -1)
 
 
@@ -233,7 +235,7 @@ def _joints_by_name(skeleton: Skeleton, positions: FloatArray | None = None) -> 
 
 
 def _divides(skeleton: Skeleton, positions: FloatArray, joint: int) -> bool:
-    """True if a joint lies in line with the one before and the ones after it in all frames (F, J, 3)."""
+    """True if a joint lies in line with its parent and the joints after it in all frames of ``positions`` (F, J, 3)."""
     before = normalized(positions[:, joint] - positions[:, skeleton.parents[joint]])
     after = normalized(positions[:, list(skeleton.children[joint])] - positions[:, joint, None])
     return bool((np.einsum("fi,fci->fc", before, after) > _IN_LINE).all())
@@ -286,7 +288,7 @@ def _fixed(skeleton: Skeleton, chosen: Mapping[str, str]) -> dict[BodyPart, list
 def _overruled(
     found: BodyMap, skeleton: Skeleton, chosen: Mapping[str, str], fixed: Mapping[BodyPart, list[int]]
 ) -> BodyMap:
-    """Put the user's choices into a match, also where topology would decide otherwise."""
+    """Body map ``found`` with the user's choices put in, also where topology would decide otherwise."""
     if not chosen:
         return found
     parts = {part: joint for part, joint in found.parts.items() if part not in fixed}

@@ -15,16 +15,16 @@ IntArray = NDArray[np.int64]
 MOST_VERTICES = 500_000
 MOST_FIGURE_JOINTS = 5_000
 Y_UP_AXES = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-"""(3, 3) axes of a file with Y up that faces +Z in the world of the studio."""
-NO_SKELETON = "has no skeleton (bones), so its mesh cannot move. Rig it first, and export it with its skeleton."
+"""Axes (3, 3) in the studio's world of a file with Y up that faces +Z."""
+NO_SKELETON_MESSAGE = "has no skeleton (bones), so its mesh cannot move. Rig it first, and export it with its skeleton."
 
 
 @dataclass(frozen=True, eq=False)
 class MeshPiece:
-    """Mesh of one material in the file's world, in its bind pose, bound to joints of the figure.
+    """Mesh with one material in the file's world, in its bind pose, bound to joints of the figure.
 
-    ``vertices`` and ``normals`` (V, 3), ``coordinates`` (V, 2) in its texture from the lower left, ``triangles`` (T,
-    3), ``joints`` (V, n) with their ``weights`` (V, n) in any order and of any sum.
+    ``vertices`` and ``normals`` are (V, 3), ``coordinates`` (V, 2) in its texture from the lower left, ``triangles``
+    (T, 3), and ``joints`` (V, n) with their ``weights`` (V, n) in any order and with any sum.
     """
 
     vertices: FloatArray
@@ -35,7 +35,7 @@ class MeshPiece:
     weights: FloatArray
     material: Material | None = None
     rigid: bool = False
-    """True if it hangs from one joint as a whole."""
+    """True if the whole mesh is attached to one joint."""
     name: str = ""
 
 
@@ -52,7 +52,7 @@ def rotations_of(matrices: FloatArray) -> FloatArray | None:
 
 
 def scales_of(matrices: FloatArray) -> FloatArray:
-    """(J,) scale of joints at (J, 4, 4); 1 for all where one is not scaled evenly."""
+    """Scales (J,) of joints with transforms (J, 4, 4); 1 for all if one is not scaled evenly."""
     lengths = np.linalg.norm(matrices[:, :3, :3], axis=1)
     even = lengths.mean(axis=1)
     return even if np.allclose(lengths, even[:, None], rtol=1e-4, atol=0.0) else np.ones(len(lengths))
@@ -60,32 +60,34 @@ def scales_of(matrices: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Figure:
-    """Joints in their bind pose, in the file's own axes and unit, and what is drawn around them."""
+    """Joints in their bind pose, in the file's own axes and unit, and the meshes bound to them."""
 
     name: str
     source: str
     joint_names: tuple[str, ...]
     parents: tuple[int, ...]
-    """Each stands before its children; -1 for roots, of which there may be several."""
+    """Index of each joint's parent, which comes before it; -1 for roots, of which there may be several."""
     positions: FloatArray
-    """(J, 3)"""
+    """Positions (J, 3) of the joints."""
     rotations: FloatArray | None = None
-    """(J, 3, 3) of the joints' own axes, None where they have none: mirrored or sheared ones."""
+    """Rotations (J, 3, 3) of the joints' own axes; None if some are mirrored or sheared."""
     pieces: tuple[MeshPiece, ...] = ()
     parts: Mapping[str, str] = field(default_factory=dict)
-    """Joints by part, where the file says it."""
+    """Names of joints by part, if the file states them."""
     up: str = "Y"
-    """The axis that is up by the format's own rule."""
+    """Up axis by the rule of the format."""
     metres: float = 1.0
-    """Metres a unit as the file, or the format's own rule, says."""
+    """Metres per unit, stated by the file or by the rule of the format."""
     moves: bool = False
-    """True if the file holds a motion of it too."""
+    """True if the file also holds a motion of the figure."""
     repairs: tuple[str, ...] = ()
     kind: str = ""
     """Name of its format."""
     to_studio: FloatArray | None = None
-    """(3, 3) rotation of the file's axes to those in which the studio writes its kind, None where it is unknown."""
+    """Rotation (3, 3) from the file's axes to those in which the studio writes files of this format; None if it is
+    unknown.
+    """
     scales: FloatArray | None = None
-    """(J,) length in the file of a unit of each joint's axes, None where all have the file's."""
+    """File units (J,) per unit of each joint's own axes; None if all joints have the file's unit."""
     bones: NDArray[np.bool_] | None = None
-    """(J,) False for a node that only carries bones, None where all are bones."""
+    """Mask (J,) of bones, False for a node that only carries bones; None if all are bones."""

@@ -33,7 +33,7 @@ class KeptReference:
 
     @property
     def certainty(self) -> tuple[int, float]:
-        """Value by which kept and found poses are compared."""
+        """Rank by which kept and found poses are compared; greater is more certain."""
         return certainty(self.pose.confidence, self.seconds)
 
 
@@ -43,14 +43,14 @@ def references_folder() -> Path:
 
 
 def skeleton_digest(skeleton: Skeleton) -> str:
-    """Hash of a skeleton that all captures of one actor share: joints, and bones to the millimetre."""
+    """Hash of a skeleton that is equal for all captures of one actor: joints, and bones to the millimetre."""
     lengths = np.rint(1000.0 * skeleton.offsets[1:]).astype(np.int64).tolist()
     text = repr((skeleton.names, skeleton.parents.tolist(), lengths))
     return hashlib.sha256(text.encode()).hexdigest()
 
 
 def kept_reference(skeleton: Skeleton, body_map: BodyMap) -> KeptReference | None:
-    """Reference pose kept for a mapped skeleton; None without one. Raises StudioError if its file is damaged."""
+    """Reference pose kept for a mapped skeleton; None if there is none. Raises StudioError if its file is damaged."""
     path = _file_of(skeleton, body_map)
     if not path.is_file():
         return None
@@ -67,9 +67,9 @@ def kept_reference(skeleton: Skeleton, body_map: BodyMap) -> KeptReference | Non
 
 
 def with_reference_kept(capture: Capture) -> Capture:
-    """Capture whose reference pose is kept if it was found from all its frames and none more certain is kept.
+    """Capture, after its reference pose is kept if it was found from all frames and none more certain is kept.
 
-    A file that cannot be written is reported among its repairs.
+    A file that cannot be written is reported among the capture's repairs.
     """
     guess = next((each for each in capture.guesses if each.subject == "reference pose"), None)
     if guess is None or guess.value != ALL_FRAMES or guess.confidence is None or capture.body_map is None:
@@ -99,7 +99,7 @@ def with_reference_kept(capture: Capture) -> Capture:
 
 
 def certainty(confidence: Confidence, seconds: float) -> tuple[int, float]:
-    """Value by which poses are compared: the confidence of the guess, then the ``seconds`` at ease."""
+    """Rank by which reference poses are compared: the confidence of the guess, then the ``seconds`` at ease."""
     return -list(Confidence).index(confidence), seconds
 
 

@@ -1,1 +1,1 @@
-"""glTF 2.0, GLB and VRM: characters in."""
+"""glTF 2.0, GLB and VRM: characters and captures read, takes and stages written."""

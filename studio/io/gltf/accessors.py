@@ -16,7 +16,7 @@ _ABSURD = 1e12
 
 
 class Accessors:
-    """Arrays of one file by index; each is (count, width)."""
+    """Arrays of one glTF file by index; each has the shape (count, width)."""
 
     def __init__(self, file: GltfFile) -> None:
         self._file = file
@@ -25,11 +25,11 @@ class Accessors:
 
     @property
     def count(self) -> int:
-        """Count of the accessors in the file."""
+        """Number of accessors in the file."""
         return len(self._records)
 
     def numbers(self, index: int, width: int, missing: bool = False) -> FloatArray:
-        """Finite numbers; ``normalized`` integers become fractions of their largest.
+        """Finite numbers of an accessor, (count, ``width``); ``normalized`` integers become fractions of their largest.
 
         Missing numbers are NaN if ``missing`` is allowed, else StudioError is raised.
         """
@@ -47,7 +47,7 @@ class Accessors:
         return numbers
 
     def indices(self, index: int, width: int, below: int) -> IntArray:
-        """Indices of accessor ``index``, rows of ``width``, each in [0, ``below``); raises StudioError otherwise."""
+        """Indices of an accessor, rows of ``width``, each in [0, ``below``). Raises StudioError otherwise."""
         record = self._records[index]
         array = self._array(record, width)
         if array.dtype.kind not in "iu":
@@ -61,7 +61,7 @@ class Accessors:
         return whole
 
     def view_bytes(self, index: int) -> bytes:
-        """The bytes of a buffer view."""
+        """Bytes of a buffer view."""
         if not 0 <= index < len(self._views):
             raise StudioError(f"{self._file.path.name}: there is no bufferViews[{index}]. Export the file again.")
         view = self._views[index]

@@ -27,13 +27,13 @@ class AnimationTrack:
     path: str
     """``translation``, ``rotation`` or ``scale``."""
     times: FloatArray
-    """(K,) seconds, rising."""
+    """Times (K,) in seconds, ascending."""
     values: FloatArray
-    """(K, 3) or (K, 4); for cubic splines (K, 3, width): tangent in, value, tangent out."""
+    """Values (K, 3) or (K, 4); for cubic splines (K, 3, width): incoming tangent, value, outgoing tangent."""
     interpolation: str
 
     def at(self, times: FloatArray) -> FloatArray:
-        """(F, width) at ``times`` in seconds, held beyond the first and the last key."""
+        """Values (F, width) at ``times`` in seconds, constant outside the first and the last key."""
         after = np.clip(np.searchsorted(self.times, times, side="right"), 1, max(len(self.times) - 1, 1))
         before = after - 1
         if len(self.times) == 1:

@@ -1,18 +1,18 @@
-"""Binary data of a glTF file to be written: arrays one after the other, with their views and accessors."""
+"""Binary data of a glTF file to write: arrays in succession, with their views and accessors."""
 
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-VERTICES, TRIANGLES = 34962, 34963
-"""Targets of views that a graphics card takes: ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER."""
+ARRAY_BUFFER_TARGET, ELEMENT_BUFFER_TARGET = 34962, 34963
+"""Targets of buffer views for a graphics card: ARRAY_BUFFER and ELEMENT_ARRAY_BUFFER."""
 _COMPONENTS = {np.dtype("u1"): 5121, np.dtype("<u2"): 5123, np.dtype("<u4"): 5125, np.dtype("<f4"): 5126}
 _TYPES = {(): "SCALAR", (2,): "VEC2", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}
 
 
 class Buffers:
-    """Data that grow by ``add``; ``views``, ``accessors`` and ``content`` are those of the file in the end."""
+    """Binary data that grow by ``add``; finally ``views``, ``accessors`` and ``content`` are those of the file."""
 
     def __init__(self) -> None:
         self.views: list[dict[str, Any]] = []
@@ -20,7 +20,9 @@ class Buffers:
         self.content = bytearray()
 
     def add(self, array: NDArray[Any], kind: str, target: int | None = None, *, bounds: bool = False) -> int:
-        """Accessor of ``array`` (count, ...) stored as ``kind`` (``f4``, ``u2`` ...); ``bounds`` adds its range."""
+        """Add ``array`` (count, ...), stored as ``kind`` (``f4``, ``u2`` ...), and return its accessor; ``bounds`` adds
+        its range.
+        """
         stored = np.ascontiguousarray(array, dtype=np.dtype(kind).newbyteorder("<"))
         view = self.add_bytes(stored.tobytes())
         if target is not None:
@@ -37,7 +39,7 @@ class Buffers:
         return len(self.accessors) - 1
 
     def add_bytes(self, content: bytes) -> int:
-        """View of ``content``, unchanged, beginning at a multiple of four."""
+        """Add ``content`` unchanged, at a multiple of four bytes, and return its view."""
         self.content += b"\0" * (-len(self.content) % 4)
         self.views.append({"buffer": 0, "byteOffset": len(self.content), "byteLength": len(content)})
         self.content += content

@@ -1,4 +1,4 @@
-"""Animation of a glTF, GLB or VRM file as a capture."""
+"""Interpretation of the animation of a glTF, GLB or VRM file as a capture."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,11 +28,11 @@ from studio.io.gltf.animation import AnimationTrack, read_tracks
 from studio.io.gltf.container import GltfFile, read_gltf
 from studio.io.gltf.nodes import Nodes, node_parts, orthogonal_axes, read_nodes
 from studio.io.gltf.vrm import vrm_bones
-from studio.io.guessing import Scale, find_unit, guess_frame_rate, leg_and_trunk
+from studio.io.guessing import Scale, choose_unit, guess_frame_rate, leg_and_trunk
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
 from studio.io.scene.proper_rotations import proper_rotations
-from studio.io.up_axis import BodyPoints, axis_called, guess_up_axis, stated_axis, turn_to_world
+from studio.io.up_axis import BodyPoints, guess_up_axis, parse_axis, stated_axis_prior, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
@@ -55,13 +55,13 @@ _LOOKED_AT = 128
 
 @dataclass(frozen=True, eq=False)
 class _Figure:
-    """Nodes that are joints, parents first; ``parents`` are indices in them.
+    """Nodes that are joints, parents first; ``parents`` are indices in ``nodes``.
 
-    Several roots become children of an added one.
+    Several roots become children of an added root.
     """
 
     nodes: tuple[int, ...]
-    """-1 for the root that the file does not have."""
+    """Index of each node in the file; -1 for the added root."""
     parents: tuple[int, ...]
     names: tuple[str, ...]
 
@@ -93,7 +93,7 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
     figure = _figure(file, nodes, tracks, bones)
     rate = _frame_rate(tracks, options, guesses)
     times = _times(tracks, rate, len(nodes.parents), file)
-    axis = axis_called(options.up_axis or "Y")
+    axis = parse_axis(options.up_axis or "Y")
     to_world = turn_to_world(axis)
     places, turns = _world(nodes, figure, tracks, times, to_world, progress)
     rest_places, rest_turns = _world(nodes, figure, [], times[:1], to_world, lambda share, text: None)
@@ -122,11 +122,11 @@ def _capture(file: GltfFile, options: ImportOptions, progress: Progress) -> Capt
     if found.body_map is not None and options.up_axis is None:
         after = places[np.minimum(looked_at + 1, len(times) - 1)]
         body = BodyPoints.of_joints(np.stack([sample, after]) @ to_world, found.body_map)
-        guess = guess_up_axis(body, stated_axis(axis))
+        guess = guess_up_axis(body, stated_axis_prior(axis))
         if guess.value != axis:
             return _capture(file, replace(options, up_axis=guess.value), progress).with_guess(guess)
     leg, trunk = leg_and_trunk(sample, found.body_map)
-    (unit, metres), unit_guess = find_unit(leg, _METRES, options.unit, trunk)
+    (unit, metres), unit_guess = choose_unit(leg, _METRES, options.unit, trunk)
     guesses += [unit_guess] if unit_guess else []
     skeleton = replace(skeleton, offsets=metres * skeleton.offsets)
     poses = replace(poses, local_translations=metres * poses.local_translations)
@@ -193,7 +193,7 @@ def _frame_rate(tracks: list[AnimationTrack], options: ImportOptions, guesses: l
 
 
 def _times(tracks: list[AnimationTrack], rate: float, node_count: int, file: GltfFile) -> FloatArray:
-    """(F,) seconds of every frame; StudioError for more than a file of its size can hold."""
+    """Times (F,) in seconds of the frames. Raises StudioError for more frames than a file of its size can hold."""
     begin = min(float(track.times[0]) for track in tracks)
     end = max(float(track.times[-1]) for track in tracks)
     count = int((end - begin) * rate + 1e-3) + 1
@@ -229,7 +229,7 @@ def _world(
 
 
 def _local(nodes: Nodes, node: int, tracks: list[AnimationTrack], times: FloatArray) -> FloatArray:
-    """(F, 4, 4) node to parent; properties without a track as in the file."""
+    """Matrices (F, 4, 4) from a node to its parent; properties without a track are as in the file."""
     if not tracks:
         return np.tile(nodes.local[node], (len(times), 1, 1))
     move, turn, scales = (np.tile(part, (len(times), *[1] * part.ndim)) for part in node_parts(nodes.records[node]))
@@ -251,7 +251,7 @@ def _local(nodes: Nodes, node: int, tracks: list[AnimationTrack], times: FloatAr
 def _joint_motion(
     figure: _Figure, rest_places: FloatArray, places: FloatArray, world: FloatArray
 ) -> tuple[Skeleton, PoseSequence]:
-    """Joints whose zero pose is the rest pose, and their motion: rotations ``world`` (F, J, 3, 3) relative to it."""
+    """Joints whose zero pose is the rest pose, and their motion, from world positions and rotations (F, J, 3, 3)."""
     offsets, moves = rest_places.copy(), places.copy()
     local = world.copy()
     for joint, parent in enumerate(figure.parents):

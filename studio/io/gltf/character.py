@@ -1,4 +1,4 @@
-"""The character in a glTF, GLB or VRM file."""
+"""Conversion of the character in a glTF, GLB or VRM file."""
 
 from pathlib import Path
 
@@ -10,13 +10,13 @@ from studio.io.registry import Progress, ReadCharacter
 
 
 def load_character(path: Path, options: ImportOptions, progress: Progress) -> ReadCharacter:
-    """Read joints, meshes and materials, and find the body. Raises StudioError."""
+    """Character in the file at ``path``: joints, meshes, materials and the body. Raises StudioError."""
     progress(0.0, f"Reading {path.name}")
     return character_in(read_gltf(path), options, progress)
 
 
 def character_in(file: GltfFile, options: ImportOptions, progress: Progress) -> ReadCharacter:
-    """Joints, meshes and materials of ``file``, with the body found. Raises StudioError."""
+    """Character in ``file``: joints, meshes, materials and the body found in them. Raises StudioError."""
     figures = figures_in(file)
     progress(0.5, f"Finding the body in {file.path.name}")
     return character_of(figures, options)

@@ -10,7 +10,7 @@ from studio.io.json_record import Record
 from studio.io.json_text import json_of
 from studio.io.referenced_files import content_of, read_bytes
 
-MAGIC = b"glTF"
+GLB_MAGIC = b"glTF"
 _MOST_RECORDS = 1_000_000
 _JSON, _BINARY = 0x4E4F534A, 0x004E4942
 _READ = frozenset({
@@ -23,7 +23,7 @@ _READ = frozenset({
 
 @dataclass(frozen=True)
 class GltfFile:
-    """The JSON of a file and the bytes of its buffers."""
+    """JSON of a glTF file and the bytes of its buffers."""
 
     path: Path
     root: Record
@@ -31,19 +31,19 @@ class GltfFile:
 
     @property
     def size(self) -> int:
-        """Bytes in all buffers."""
+        """Number of bytes in all buffers."""
         return sum(map(len, self.buffers))
 
 
 def is_gltf(head: bytes) -> bool:
     """True if a file that begins with ``head`` is a glTF file."""
-    return head[:4] == MAGIC or (head.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] == b"{" and b'"asset"' in head)
+    return head[:4] == GLB_MAGIC or (head.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] == b"{" and b'"asset"' in head)
 
 
 def read_gltf(path: Path) -> GltfFile:
-    """Content of a .gltf, .glb or .vrm file. Raises StudioError naming the damage."""
+    """Content of a .gltf, .glb or .vrm file. Raises StudioError, which describes the damage."""
     content = read_bytes(path)
-    text, binary = _chunks(content, path.name) if content[:4] == MAGIC else (content, None)
+    text, binary = _chunks(content, path.name) if content[:4] == GLB_MAGIC else (content, None)
     root = Record(_parsed(text, path.name), path.name)
     version = root.inner("asset").text("version", "?")
     if not version.startswith("2."):

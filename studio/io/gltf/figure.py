@@ -1,4 +1,4 @@
-"""glTF, GLB or VRM file as a figure: its joints in the bind pose, its meshes around them."""
+"""Interpretation of a glTF, GLB or VRM file as a figure: joints in the bind pose, and meshes bound to them."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from studio.core.errors import StudioError
 from studio.core.names import readable_name
-from studio.io.figure.figure import MOST_FIGURE_JOINTS, NO_SKELETON, Y_UP_AXES, Figure, rotations_of, scales_of
+from studio.io.figure.figure import MOST_FIGURE_JOINTS, NO_SKELETON_MESSAGE, Y_UP_AXES, Figure, rotations_of, scales_of
 from studio.io.gltf.accessors import Accessors
 from studio.io.gltf.container import GltfFile
 from studio.io.gltf.meshes import MeshReader
@@ -20,13 +20,15 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class _Skin:
+    """Skin of a glTF file."""
+
     joints: list[int]
     inverse_binds: FloatArray
-    """(J, 4, 4) mesh to joint."""
+    """Matrices (J, 4, 4) from mesh to joint."""
 
 
 def figures_in(file: GltfFile) -> list[Figure]:
-    """Figure of a file, in each of the poses that may be its bind pose, the likeliest first.
+    """Figures of a file, one for each pose that may be its bind pose, the likeliest first.
 
     Raises StudioError if the file is damaged or holds no joints.
     """
@@ -36,7 +38,7 @@ def figures_in(file: GltfFile) -> list[Figure]:
     bones = vrm_bones(file.root, len(nodes.parents))
     joints = _joints(skins, bones, nodes)
     if not joints:
-        raise StudioError(f"{path.name} {NO_SKELETON}")
+        raise StudioError(f"{path.name} {NO_SKELETON_MESSAGE}")
     if len(joints) > MOST_FIGURE_JOINTS:
         raise StudioError(f"{path.name} has more than {MOST_FIGURE_JOINTS:,} joints. Export only the figure's own.")
     poses = [nodes.world]
@@ -105,7 +107,8 @@ def _joints(skins: list[_Skin], bones: dict[str, int], nodes: Nodes) -> list[int
 
 
 def _bind_world(nodes: Nodes, skins: list[_Skin]) -> FloatArray:
-    """(N, 4, 4) nodes in the bind pose of the skins; the largest skin's first joint keeps its position.
+    """World matrices (N, 4, 4) of the nodes in the bind pose of the skins; the first joint of the largest skin keeps
+    its position.
 
     Nodes without a bind matrix keep their transform relative to their parent.
     """

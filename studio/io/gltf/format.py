@@ -10,7 +10,7 @@ from studio.io.registry import Progress, ReadCapture, ReadCharacter
 
 
 def load_either(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture | ReadCharacter:
-    """The capture of a file of animations without meshes, else the character. Raises StudioError."""
+    """Capture of a file that holds animations but no meshes, else the character. Raises StudioError."""
     progress(0.0, f"Reading {path.name}")
     file = read_gltf(path)
     alone = bool(file.root.records("animations")) and not file.root.records("meshes")

@@ -1,4 +1,4 @@
-"""Materials of a glTF file: base colour, its texture, and the maps beside it."""
+"""Materials of a glTF file: base colour, its texture, and further maps."""
 
 from dataclasses import dataclass
 
@@ -26,7 +26,7 @@ class TexturePlacing:
 
     @classmethod
     def of(cls, slot: Record) -> "TexturePlacing":
-        """Coordinates in a texture's record; its ``extensions`` overrule the set."""
+        """Placing of a texture's record; its ``extensions`` take precedence over the set."""
         moved = slot.inner("extensions").inner("KHR_texture_transform")
         angle = moved.number("rotation", 0.0)
         c, s = np.cos(angle), np.sin(angle)
@@ -35,16 +35,16 @@ class TexturePlacing:
         return cls(moved.whole("texCoord", slot.whole("texCoord", 0)), form, offset)
 
     def is_same(self, other: "TexturePlacing") -> bool:
-        """True if both have the same coordinates."""
+        """True if both place their textures at the same coordinates."""
         return self.set == other.set and np.allclose(self.form, other.form) and np.allclose(self.offset, other.offset)
 
     def applied_to(self, coordinates: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(V, 2) positions in the picture, from its lower left, for a file's coordinates, from its upper left."""
+        """Positions (V, 2) in the picture, from its lower left, for a file's coordinates, from its upper left."""
         return (coordinates @ self.form.T + self.offset) * [1.0, -1.0] + [0.0, 1.0]
 
 
 class Materials:
-    """Materials of one file by index; pictures that cannot be shown are reported in ``repairs``."""
+    """Materials of one glTF file by index; pictures that cannot be shown are reported in ``repairs``."""
 
     def __init__(self, file: GltfFile, accessors: Accessors) -> None:
         self.repairs: list[str] = []
@@ -56,7 +56,7 @@ class Materials:
 
     @property
     def count(self) -> int:
-        """Count of the materials in the file."""
+        """Number of materials in the file."""
         return len(self._materials)
 
     def __getitem__(self, index: int) -> tuple[Material, "TexturePlacing"]:
@@ -80,7 +80,7 @@ class Materials:
         maps = {name: self._map(each, placing) for name, each in given.items()}
         red, green, blue = np.clip(record.numbers("emissiveFactor", (0.0, 0.0, 0.0)), 0.0, 1.0).tolist()
         material = Material(
-            record.text("name"), hex_colour(shown(linear)), texture, record.flag("doubleSided"),
+            record.text("name"), hex_colour(srgb_of_linear(linear)), texture, record.flag("doubleSided"),
             record.text("alphaMode", "OPAQUE") != "OPAQUE",
             surface.number("metallicFactor", 1.0), surface.number("roughnessFactor", 1.0), (red, green, blue),
             {name: picture for name, picture in maps.items() if picture is not None},
@@ -88,7 +88,7 @@ class Materials:
         return material, placing
 
     def _map(self, slot: Record, placing: TexturePlacing) -> NDArray[np.uint8] | None:
-        """Picture of a map; None, with a repair, where its coordinates are not those of the base colour."""
+        """Picture of a map; None, with a repair, if its coordinates are not those of the base colour."""
         if TexturePlacing.of(slot).is_same(placing):
             return self._texture(slot)
         self.repairs.append(f"{slot.where}: it has other coordinates than the base colour; it was left out.")
@@ -118,8 +118,8 @@ class Materials:
         return None
 
 
-def shown(linear: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Linear light converted for a screen (IEC 61966-2-1, sRGB)."""
+def srgb_of_linear(linear: NDArray[np.float64]) -> NDArray[np.float64]:
+    """sRGB values of linear light (IEC 61966-2-1)."""
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055)
 
 

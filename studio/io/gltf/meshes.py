@@ -20,7 +20,7 @@ _Skins = list[tuple[list[int], FloatArray]]
 
 
 class MeshReader:
-    """Reader of every mesh of a node; ``repairs`` lists omissions."""
+    """Reader of the meshes of all nodes; ``repairs`` lists omissions."""
 
     def __init__(self, file: GltfFile, accessors: Accessors, nodes: Nodes, skins: _Skins) -> None:
         self.materials = Materials(file, accessors)
@@ -31,7 +31,9 @@ class MeshReader:
         self.repairs = self.materials.repairs
 
     def pieces(self, world: FloatArray, places: Mapping[int, int]) -> list[MeshPiece]:
-        """All pieces with the nodes at ``world`` (N, 4, 4); ``places`` gives the figure's joint of each node."""
+        """Pieces of all meshes with the nodes at ``world`` (N, 4, 4); ``places`` gives the figure's joint
+        of each node.
+        """
         self._vertices = 0
         pieces = []
         for node in self._shown:
@@ -98,7 +100,7 @@ class MeshReader:
         return array
 
     def _hung(self, node: int, places: Mapping[int, int], count: int) -> tuple[IntArray, FloatArray]:
-        """Joints and weights for a mesh bound as a whole to the nearest joint above."""
+        """Joints and weights of a mesh that is attached as a whole to the nearest joint above."""
         joint = self._nodes.nearest(node, set(places))
         return np.full((count, 1), places[joint] if joint is not None else 0), np.ones((count, 1))
 

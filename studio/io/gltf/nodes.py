@@ -17,15 +17,15 @@ MOST_GLTF_NODES = 50_000
 
 @dataclass(frozen=True, eq=False)
 class Nodes:
-    """N nodes. ``order`` has every parent before its children; ``parents`` is -1 for roots."""
+    """Forest of N nodes: ``order`` has every parent before its children; ``parents`` is -1 for roots."""
 
     records: tuple[Record, ...]
     parents: tuple[int, ...]
     order: tuple[int, ...]
     local: FloatArray
-    """(N, 4, 4) node to parent."""
+    """Matrices (N, 4, 4) from node to parent."""
     world: FloatArray
-    """(N, 4, 4) node to the file's world."""
+    """Matrices (N, 4, 4) from node to the file's world."""
 
     def names(self) -> tuple[str, ...]:
         """Unique name for each node."""
@@ -40,7 +40,7 @@ class Nodes:
         return tuple(names)
 
     def nearest(self, node: int, among: set[int]) -> int | None:
-        """``node`` or its nearest ancestor that is one of ``among``."""
+        """The node itself, or its nearest ancestor, that is one of ``among``; None without any."""
         while node >= 0:
             if node in among:
                 return node
@@ -49,7 +49,7 @@ class Nodes:
 
 
 def read_nodes(root: Record) -> Nodes:
-    """All nodes. Raises StudioError when they are no forest or a transformation is no number."""
+    """All nodes. Raises StudioError if they are no forest or a transform has values that are no numbers."""
     records = root.records("nodes")
     if len(records) > MOST_GLTF_NODES:
         raise StudioError(
@@ -89,7 +89,9 @@ def _local(record: Record) -> FloatArray:
 
 
 def node_parts(record: Record) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Translation (3,), rotation (3, 3) and scale (3,) of a node to its parent; a mirroring matrix scales by -1."""
+    """Translation (3,), rotation (3, 3) and scale (3,) from a node to its parent; a mirroring matrix has a
+    scale of -1.
+    """
     if "matrix" in record:
         matrix = _matrix(record)
         turn = orthogonal_axes(matrix[None, :3, :3])[0]
@@ -104,7 +106,7 @@ def node_parts(record: Record) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 
 def orthogonal_axes(matrices: FloatArray) -> FloatArray:
-    """(N, 3, 3) rotations of matrices that include scale, mirrored where these mirror; zero for singular ones."""
+    """Rotations (N, 3, 3) of matrices with scale, mirrored where these mirror; zero for singular ones."""
     lengths = np.linalg.norm(matrices, axis=1, keepdims=True)
     axes = matrices / np.where(lengths > 1e-9, lengths, 1.0)
     determinants = np.linalg.det(axes)

@@ -1,4 +1,4 @@
-"""Take as glTF 2.0: joints, skin and animation in one .glb, or one .gltf with its buffer inside."""
+"""Writer of a take as glTF 2.0: joints, skin and animation in one .glb, or one .gltf with its buffer inside."""
 
 import base64
 import json
@@ -14,10 +14,10 @@ from studio import __version__
 from studio.core.mesh.appearance import EMISSIVE_MAP, METALLIC_ROUGHNESS_MAP, NORMAL_MAP, OCCLUSION_MAP, Material
 from studio.core.rigs.joint_skin import JointSkin
 from studio.core.rotations import from_matrix
-from studio.core.stage.saved_camera import CAMERA_ASPECT, FARTHEST_SEEN, NEAREST_SEEN, VIEW_ANGLE, SavedCamera
+from studio.core.stage.saved_camera import CAMERA_ASPECT, CAMERA_FAR_METRES, CAMERA_NEAR_METRES, VIEW_ANGLE, SavedCamera
 from studio.io.atomic_write import write_pieces
 from studio.io.export import Take, plain_material, skin_of
-from studio.io.gltf.buffers import TRIANGLES, VERTICES, Buffers
+from studio.io.gltf.buffers import ARRAY_BUFFER_TARGET, ELEMENT_BUFFER_TARGET, Buffers
 from studio.io.registry import Progress
 from studio.io.takes.exported_stage import ExportedProp, ExportedStage
 
@@ -33,9 +33,10 @@ _PIECE = 3 << 18
 
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:
-    """Write joints, animation and the character's skin, or a figure of bones where there is none.
+    """Write joints, animation and the character's skin, or a figure of bones if it has none.
 
-    Metres, Y up; one key a frame, interpolated linearly. Raises StudioError when the file cannot be written.
+    The file is in metres, Y up, with one key per frame, interpolated linearly. Raises StudioError if it cannot be
+    written.
     """
     scene = GltfScene(take.name, take.frame_rate, take.poses.frame_count)
     scene.add_take(take, lambda share: progress(0.8 * share, f"Writing {path.name}"))
@@ -43,8 +44,9 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
 
 
 def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
-    """Write all performers and props of a stage on one clock at their positions, each performer below a node of its
-    name. As ``write_take``. Raises StudioError if the file cannot be written.
+    """Write all performers and props of a stage with common frames, each performer below a node with its name.
+
+    Units, axes and keys are those of ``write_take``. Raises StudioError if the file cannot be written.
     """
     scene = GltfScene(stage.name, stage.frame_rate, stage.frame_count)
     for number, take in enumerate(stage.takes):
@@ -61,7 +63,7 @@ def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
 
 
 def write_scene(path: Path, scene: "GltfScene", progress: Progress) -> None:
-    """Write a finished scene, as text where the suffix is ``.gltf``. Raises StudioError when it cannot be written."""
+    """Write a finished scene, as text if the suffix is ``.gltf``. Raises StudioError if it cannot be written."""
     content = scene.buffers.content
     content.extend(bytes(-len(content) % 4))
     root = scene.document() | {"buffers": [{"byteLength": len(content)}]}
@@ -73,7 +75,7 @@ def write_scene(path: Path, scene: "GltfScene", progress: Progress) -> None:
 def _with_progress(
     pieces: Iterable[bytes | memoryview], size: int, name: str, progress: Progress
 ) -> Iterator[bytes | memoryview]:
-    """Pieces that report their progress towards about ``size`` bytes."""
+    """Pieces unchanged; progress towards about ``size`` bytes is reported after each."""
     done = 0
     for piece in pieces:
         progress(min(0.8 + 0.2 * done / size, 1.0), f"Writing {name}")
@@ -90,7 +92,7 @@ _MAP_SLOTS = {
 
 
 class GltfScene:
-    """A glTF document under construction: nodes, meshes, skins, materials, and one animation of all of them."""
+    """glTF document under construction: nodes, meshes, skins, materials, and one animation of all of them."""
 
     def __init__(self, name: str, frame_rate: float, frame_count: int) -> None:
         self.buffers = Buffers()
@@ -124,7 +126,7 @@ class GltfScene:
         return root | {"bufferViews": self.buffers.views, "accessors": self.buffers.accessors}
 
     def add_take(self, take: Take, progress: Any, *, group: bool = False) -> None:
-        """Add joints, skin and animation, the joints below a node of its name if they are a ``group``."""
+        """Add joints, skin and animation; if ``group``, the joints are below a node with the take's name."""
         skin = skin_of(take)
         joints = self._add_joints(take, skin)
         top = self._add("nodes", {"name": take.name, "children": joints[:1]}) if group else joints[0]
@@ -154,10 +156,12 @@ class GltfScene:
         surface, first = prop.surface, self._add_materials((prop.material,))
         primitive = {
             "attributes": {
-                "POSITION": self.buffers.add(surface.vertices[:, _WORLD_TO_FILE], "f4", VERTICES, bounds=True),
-                "NORMAL": self.buffers.add(_unit(surface.normals[:, _WORLD_TO_FILE]), "f4", VERTICES),
+                "POSITION": self.buffers.add(
+                    surface.vertices[:, _WORLD_TO_FILE], "f4", ARRAY_BUFFER_TARGET, bounds=True
+                ),
+                "NORMAL": self.buffers.add(_unit(surface.normals[:, _WORLD_TO_FILE]), "f4", ARRAY_BUFFER_TARGET),
             },
-            "indices": self.buffers.add(surface.triangles.ravel(), "u4", TRIANGLES),
+            "indices": self.buffers.add(surface.triangles.ravel(), "u4", ELEMENT_BUFFER_TARGET),
             "material": first,
         }
         mesh = self._add("meshes", {"name": prop.name, "primitives": [primitive]})
@@ -178,12 +182,12 @@ class GltfScene:
             lens: dict[str, Any] = {
                 "xmag": CAMERA_ASPECT * tall,
                 "ymag": tall,
-                "znear": NEAREST_SEEN,
-                "zfar": FARTHEST_SEEN,
+                "znear": CAMERA_NEAR_METRES,
+                "zfar": CAMERA_FAR_METRES,
             }
             record = {"name": camera.name, "type": "orthographic", "orthographic": lens}
         else:
-            lens = {"yfov": VIEW_ANGLE, "aspectRatio": CAMERA_ASPECT, "znear": NEAREST_SEEN}
+            lens = {"yfov": VIEW_ANGLE, "aspectRatio": CAMERA_ASPECT, "znear": CAMERA_NEAR_METRES}
             record = {"name": camera.name, "type": "perspective", "perspective": lens}
         node = {
             "name": camera.name,
@@ -223,7 +227,7 @@ class GltfScene:
                 self._animate(node, "translation", places)
 
     def _add_materials(self, materials: tuple[Material, ...]) -> int:
-        """Add materials; the index of the first of them."""
+        """Add materials, and return the index of the first."""
         first = len(self._lists["materials"])
         for material in materials:
             surface: dict[str, Any] = {
@@ -248,7 +252,7 @@ class GltfScene:
         return first
 
     def _image(self, content: bytes) -> int:
-        """Index of a picture, which is added once."""
+        """Index of a picture, which is added only once."""
         if content not in self._images:
             kind = "image/png" if content.startswith(b"\x89PNG") else "image/jpeg"
             image = {"bufferView": self.buffers.add_bytes(content), "mimeType": kind}
@@ -257,7 +261,7 @@ class GltfScene:
 
 
 def _bones(skin: JointSkin) -> list[int]:
-    """Joints of the skin; nodes that only carry bones are none."""
+    """Joints of the skin, without nodes that only carry bones."""
     return list(range(len(skin.bind_positions))) if skin.bones is None else np.flatnonzero(skin.bones).tolist()
 
 
@@ -285,8 +289,8 @@ def _primitives(skin: JointSkin, buffers: Buffers, first: int) -> list[dict[str,
     space = _mesh_space(skin)
     points = (skin.vertices[:, _WORLD_TO_FILE] - space[:3, 3]) @ np.linalg.inv(space[:3, :3]).T
     attributes = {
-        "POSITION": buffers.add(points, "f4", VERTICES, bounds=True),
-        "NORMAL": buffers.add(_unit(skin.normals[:, _WORLD_TO_FILE] @ space[:3, :3]), "f4", VERTICES),
+        "POSITION": buffers.add(points, "f4", ARRAY_BUFFER_TARGET, bounds=True),
+        "NORMAL": buffers.add(_unit(skin.normals[:, _WORLD_TO_FILE] @ space[:3, :3]), "f4", ARRAY_BUFFER_TARGET),
     }
     place = np.zeros(len(skin.bind_positions), np.int64)
     place[_bones(skin)] = np.arange(len(_bones(skin)))
@@ -295,16 +299,16 @@ def _primitives(skin: JointSkin, buffers: Buffers, first: int) -> list[dict[str,
         gap = ((0, 0), (0, max(start + 4 - skin.joints.shape[1], 0)))
         for name, values, kind in (("JOINTS", joints, "u2"), ("WEIGHTS", skin.weights, "f4")):
             part = np.pad(values[:, start : start + 4], gap)
-            attributes[f"{name}_{start // 4}"] = buffers.add(part, kind, VERTICES)
+            attributes[f"{name}_{start // 4}"] = buffers.add(part, kind, ARRAY_BUFFER_TARGET)
     if look and any(material.pictures for material in look.materials):
         places = look.coordinates * [1.0, -1.0] + [0.0, 1.0]  # glTF counts downwards
-        attributes["TEXCOORD_0"] = buffers.add(places, "f4", VERTICES)
+        attributes["TEXCOORD_0"] = buffers.add(places, "f4", ARRAY_BUFFER_TARGET)
     kind = "u2" if count < 65535 else "u4"
     materials = look.triangle_materials if look else np.zeros(len(skin.triangles), dtype=np.int32)
     return [
         {
             "attributes": attributes,
-            "indices": buffers.add(skin.triangles[materials == material].ravel(), kind, TRIANGLES),
+            "indices": buffers.add(skin.triangles[materials == material].ravel(), kind, ELEMENT_BUFFER_TARGET),
             "material": first + int(material),
         }
         for material in np.unique(materials)
@@ -318,7 +322,7 @@ def _inverse_binds(skin: JointSkin, buffers: Buffers) -> int:
 
 
 def _bind_matrices(skin: JointSkin) -> FloatArray:
-    """(J, 4, 4) joints to the file's world."""
+    """Matrices (J, 4, 4) from the joints to the file's world."""
     matrices = np.tile(np.eye(4), (len(skin.bind_positions), 1, 1))
     matrices[:, :3, :3] = skin.bind_rotations[:, _WORLD_TO_FILE][:, :, _WORLD_TO_FILE]
     if skin.bind_scales is not None:
@@ -328,13 +332,15 @@ def _bind_matrices(skin: JointSkin) -> FloatArray:
 
 
 def _mesh_space(skin: JointSkin) -> FloatArray:
-    """(4, 4) axes of the mesh in the file's world: Blender takes them for those of what carries the skeleton."""
+    """Axes (4, 4) of the mesh in the file's world; Blender takes them for those of the node that carries
+    the skeleton.
+    """
     carrier = skin.carrier()
     return np.eye(4) if carrier is None else np.asarray(_bind_matrices(skin)[carrier])
 
 
 def _unit(vectors: FloatArray) -> FloatArray:
-    """Vectors of length 1; those without a length point up."""
+    """Vectors scaled to unit length; zero vectors become up vectors."""
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     up = np.zeros_like(vectors)
     up[:, 1] = 1.0

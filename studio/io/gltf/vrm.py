@@ -1,4 +1,4 @@
-"""Humanoid map of VRM 0 and 1 and of VRM animations: the node of each body part."""
+"""Humanoid maps of VRM 0 and 1 and of VRM animations: the node of each body part."""
 
 from collections.abc import Container
 
@@ -34,10 +34,10 @@ _THUMB_BONES = ("Metacarpal", "Proximal", "Distal")
 
 
 def humanoid_joints(skeleton: Skeleton, body: BodyMap) -> dict[str, int]:
-    """The joint of ``skeleton`` for each bone of VRM 1, parents first.
+    """Joint of ``skeleton`` for each bone of VRM 1, parents first.
 
     Of a spine with more than three joints above the pelvis the first, the middle and the last are bones. Raises
-    StudioError where a bone that every VRM has is missing.
+    StudioError if a bone that every VRM has is missing.
     """
     named = {bone: body.parts[BodyPart(part)] for bone, part in _BONES.items() if BodyPart(part) in body.parts}
     above = body.spine[1:]
@@ -53,9 +53,9 @@ def humanoid_joints(skeleton: Skeleton, body: BodyMap) -> dict[str, int]:
 
 
 def vrm_bones(root: Record, node_count: int) -> dict[str, int]:
-    """Nodes by part (``pelvis``, ``spine_1``, ``left_hand``); empty where the file is no VRM.
+    """Nodes by part (``pelvis``, ``spine_1``, ``left_hand``); empty if the file is no VRM.
 
-    Raises StudioError when the map lacks a bone that every VRM has.
+    Raises StudioError if the map lacks a bone that every VRM has.
     """
     extensions = root.inner("extensions")
     version_1 = next((name for name in _VERSION_1 if name in extensions), None)

@@ -1,4 +1,4 @@
-"""A take as VRM animation 1.0: the bones of a humanoid that rests in a T-pose, and the travel of its hips."""
+"""Writer of a take as VRM animation 1.0: the bones of a humanoid that rests in a T-pose, and the travel of its hips."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -16,21 +16,21 @@ from studio.core.rotations import IDENTITY_QUATERNION, multiply, rotate
 from studio.io.export import Take
 from studio.io.gltf.take_writer import GltfScene, write_scene
 from studio.io.gltf.vrm import humanoid_joints
-from studio.io.guessing import SOLE_THICKNESS
+from studio.io.guessing import SOLE_THICKNESS_METRES
 from studio.io.registry import Progress
 
 FloatArray = NDArray[np.float64]
 
-EXTENSION = "VRMC_vrm_animation"
+VRMA_EXTENSION = "VRMC_vrm_animation"
 _POSED = 0.3
 """The share of the work after which the humanoid has its poses."""
 
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:
-    """Write the rotations of all bones and the translation of the hips; metres, Y up, facing +Z, a key a frame.
+    """Write the rotations of all bones and the translation of the hips; metres, Y up, facing +Z, one key per frame.
 
-    What a humanoid of VRM lacks (props, twist bones, changing lengths of bones) is left out; rotations of joints
-    between two bones go into the lower one. Raises StudioError where the body has no spine or head.
+    Parts that a humanoid of VRM lacks (props, twist bones, changing bone lengths) are left out; rotations of joints
+    between two bones are added to the lower one. Raises StudioError if the body has no spine or head.
     """
     progress(0.0, f"Writing {path.name}")
     capture, bones = humanoid_capture(take)
@@ -38,15 +38,15 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
     scene = GltfScene(take.name, take.frame_rate, take.poses.frame_count)
     scene.add_motion(moving, lambda share: progress(_POSED + (0.8 - _POSED) * share, f"Writing {path.name}"))
     nodes = {bone: {"node": node} for node, bone in enumerate(bones)}
-    scene.extensions[EXTENSION] = {"specVersion": "1.0", "humanoid": {"humanBones": nodes}}
+    scene.extensions[VRMA_EXTENSION] = {"specVersion": "1.0", "humanoid": {"humanBones": nodes}}
     write_scene(path, scene, progress)
 
 
 def humanoid_capture(take: Take) -> tuple[Capture, list[str]]:
-    """The motion on joints of a humanoid alone, and the bone of VRM 1 that each is; raises StudioError.
+    """Motion on the joints of a humanoid alone, and the bone of VRM 1 that each joint is. Raises StudioError.
 
     At rest it stands in a T-pose on the ground. World rotations, and the positions of the hips, stay those of ``take``;
-    the bones between keep the length that they have at rest.
+    bones keep the length that they have at rest.
     """
     if take.capture.body_map is None:
         raise StudioError(f"'{take.name}' has no body map, so it cannot be a VRM animation. Complete it first.")
@@ -58,7 +58,7 @@ def humanoid_capture(take: Take) -> tuple[Capture, list[str]]:
     still = rest_poses(skeleton, np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1)))
     places = joint_world(skeleton, still)[0][0]
     moving = places[~skeleton.end_sites]
-    offsets = places[joints] - [0.0, 0.0, moving[:, 2].min() - SOLE_THICKNESS]
+    offsets = places[joints] - [0.0, 0.0, moving[:, 2].min() - SOLE_THICKNESS_METRES]
     offsets[0, :2] = 0.0
     rotations = np.empty((poses.frame_count, len(joints), 4))
     parents = np.full(len(joints), -1)

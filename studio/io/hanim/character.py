@@ -1,4 +1,4 @@
-"""The character in an H-Anim file."""
+"""Conversion of the character in an H-Anim file."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ from studio.io.registry import Progress, ReadCharacter
 
 
 def load_x3d(path: Path, options: ImportOptions, progress: Progress) -> ReadCharacter:
-    """The humanoid of an .x3d file. Raises StudioError."""
+    """Character: the humanoid of an .x3d file. Raises StudioError."""
     progress(0.0, f"Reading {path.name}")
     scene = read_x3d(path)
     progress(0.5, f"Finding the body in {path.name}")
@@ -19,7 +19,7 @@ def load_x3d(path: Path, options: ImportOptions, progress: Progress) -> ReadChar
 
 
 def load_vrml(path: Path, options: ImportOptions, progress: Progress) -> ReadCharacter:
-    """The humanoid of a .wrl or .x3dv file. Raises StudioError."""
+    """Character: the humanoid of a .wrl or .x3dv file. Raises StudioError."""
     progress(0.0, f"Reading {path.name}")
     scene = read_vrml(path)
     progress(0.5, f"Finding the body in {path.name}")

@@ -1,4 +1,4 @@
-"""The shapes of VRML and X3D as triangles."""
+"""Shapes of VRML and X3D as triangles."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ _CREASE = 0.5
 
 @dataclass(frozen=True, eq=False)
 class ShapeSurface:
-    """Triangles over vertices; ``points`` (V,) is the coordinate of the shape for each vertex."""
+    """Triangle mesh of a shape; ``points`` (V,) is the index of each vertex in the coordinates of the shape."""
 
     vertices: FloatArray
     normals: FloatArray
@@ -30,8 +30,8 @@ class ShapeSurface:
 
 
 def surface_of(geometry: SceneNode, smooth: bool = False) -> ShapeSurface | None:
-    """Surface of a geometry node, None for one without a surface (lines, text). ``smooth`` overrules
-    its crease angle.
+    """Surface of a geometry node; None for one without a surface (lines, text). ``smooth`` overrides its
+    crease angle.
     """
     match geometry.kind:
         case "IndexedFaceSet":
@@ -66,7 +66,7 @@ def _whole(geometry: SceneNode, name: str) -> IntArray:
 
 
 def _polygons(geometry: SceneNode, name: str) -> tuple[IntArray, IntArray]:
-    """(T, 3) corners of the triangulated polygons, and the index of each corner in the list."""
+    """Corners (T, 3) of the triangulated polygons, and the index of each corner in the list."""
     index = _whole(geometry, name)
     starts, ends = _runs(index)
     corners, places = [], []
@@ -131,8 +131,8 @@ def _box(size: FloatArray) -> ShapeSurface:
 
 
 def _turned(profile: FloatArray, flat: bool = False) -> ShapeSurface:
-    """Surface of revolution of a profile (N, 2) of radius and height, from below upwards, about Y; ``flat`` keeps its
-    corners.
+    """Surface of revolution about Y of ``profile`` (N, 2), radius and height from below upwards; ``flat`` keeps its
+    edges.
     """
     stretches = [profile[k : k + 2] for k in range(len(profile) - 1)] if flat else [profile]
     vertices, normals, triangles = [], [], []

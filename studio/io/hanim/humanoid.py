@@ -36,6 +36,8 @@ def figure_of(scene: list[SceneNode], path: Path) -> Figure:
 
 @dataclass
 class _Reader:
+    """Reader of one humanoid, which collects its joints and mesh pieces."""
+
     humanoid: SceneNode
     looks: ShapeMaterials
     names: list[str] = field(default_factory=list)
@@ -47,7 +49,7 @@ class _Reader:
     vertices: int = 0
 
     def figure(self, path: Path) -> Figure:
-        """Walk the body, then its skin."""
+        """Figure of the humanoid: its body is read first, then its skin."""
         whole = _matrix(self.humanoid)
         joints = [node for node in walk(self.humanoid.nodes(*_BODY)) if node.kind in JOINT_NODES]
         if not joints:
@@ -71,7 +73,7 @@ class _Reader:
         )
 
     def _walk(self, whole: FloatArray, centred: bool) -> None:
-        """Joints where their centres are: turned and moved only where offsets stand in ``translation``."""
+        """Read the joints at their centres; translations move them only in files that store offsets there."""
         waiting = [(node, whole, -1) for node in reversed(self.humanoid.nodes(*_BODY))]
         while waiting:
             node, matrix, joint = waiting.pop()
@@ -136,7 +138,7 @@ class _Reader:
         )
 
     def _skin(self, whole: FloatArray) -> None:
-        """The shapes of ``skin``; their points are weighted by the joints' skinCoordIndex."""
+        """Read the shapes of ``skin``, whose points are weighted by the joints' skinCoordIndex."""
         shapes = [node for node in walk(self.humanoid.nodes("skin")) if node.kind == "Shape"]
         coord = self.humanoid.node("skinCoord")
         for shape in shapes:
@@ -154,7 +156,7 @@ class _Reader:
             self._put(shape, surface, whole, joints[surface.points], weights[surface.points], False)
 
     def _weights(self, points: FloatArray, whole: FloatArray) -> tuple[IntArray, FloatArray]:
-        """(P, n) joints and weights of each point of the skin; the nearest joint for one that none names."""
+        """Joints and weights (P, n) of each point of the skin; the nearest joint for a point that no joint names."""
         if len(points) > MOST_VERTICES:
             raise StudioError(f"{self.humanoid.where}: its skin has more than {MOST_VERTICES:,} points. Simplify it.")
         found: list[list[tuple[float, int]]] = [[] for _ in points]

@@ -1,4 +1,4 @@
-"""SceneNode: a node of a VRML or X3D scene, in either encoding."""
+"""Nodes of a VRML or X3D scene, in either encoding."""
 
 import re
 from collections.abc import Iterator
@@ -13,16 +13,16 @@ from studio.core.errors import StudioError
 FloatArray = NDArray[np.float64]
 
 DEEPEST_NODE = 120
-"""Levels of nesting; a body of H-Anim's finest level has some 60."""
+"""Maximum depth of nested nodes; a body of H-Anim's finest level has about 60."""
 MOST_VISITS = 300_000
-"""Nodes shown in all, those that USE shows again counted again."""
+"""Maximum number of visited nodes; nodes that USE repeats are counted again."""
 MOST_HANIM_NODES = 200_000
-"""Nodes written in one file."""
-LARGEST_TEXT = 60_000_000
-"""Bytes of one text file."""
+"""Maximum number of nodes written in one file."""
+LARGEST_TEXT_BYTES = 60_000_000
+"""Maximum size of a text file in bytes."""
 
 _ALLOWED = str.maketrans("", "", "0123456789+-.eE \t\r\n\f\v,")
-STRING = r'"(?s:.*?)(?<!\\)(?:\\\\)*"'
+QUOTED_STRING_PATTERN = r'"(?s:.*?)(?<!\\)(?:\\\\)*"'
 """Pattern of a text in quotes: it ends at the first quote behind an even number of backslashes.
 
 Possessive groups would say it more directly, but Python 3.11 reads them wrongly before 3.11.5.
@@ -36,12 +36,12 @@ class SceneNode:
 
     kind: str
     where: str
-    """``joe.x3d, line 12``."""
+    """File and line of the node, for messages: ``joe.x3d, line 12``."""
     definition: str = ""
     fields: dict[str, Any] = field(default_factory=dict)
 
     def nodes(self, *names: str) -> list["SceneNode"]:
-        """The nodes in the fields of these names."""
+        """Nodes in the fields with these names."""
         found: list[SceneNode] = []
         for name in names:
             value = self.fields.get(name)
@@ -50,12 +50,12 @@ class SceneNode:
         return found
 
     def node(self, name: str) -> "SceneNode | None":
-        """The node in a field, if it has one."""
+        """Node in the field ``name``; None if it has none."""
         found = self.nodes(name)
         return found[0] if found else None
 
     def numbers(self, name: str, width: int = 1) -> FloatArray:
-        """(n, width) finite numbers; none if the field is missing."""
+        """Finite numbers (n, width) of a field; empty if the field is missing."""
         value = self.fields.get(name)
         if isinstance(value, str):
             value = row_of(value, f"{self.where}, {name}")
@@ -68,7 +68,7 @@ class SceneNode:
         return value.reshape(-1, width)
 
     def vector(self, name: str, default: tuple[float, ...]) -> FloatArray:
-        """The one vector of a field."""
+        """Vector of a field; ``default`` if the field is missing."""
         value = self.numbers(name, len(default))
         return value[0] if len(value) else np.array(default)
 
@@ -83,11 +83,11 @@ class SceneNode:
         """All texts of a field."""
         value = self.fields.get(name, [])
         if isinstance(value, str):
-            return [unquoted(text) for text in re.findall(STRING, value)] or [value]
+            return [unquoted(text) for text in re.findall(QUOTED_STRING_PATTERN, value)] or [value]
         return [item for item in value if isinstance(item, str)] if isinstance(value, list) else []
 
     def flag(self, name: str, default: bool) -> bool:
-        """True if a field is true."""
+        """Boolean of a field; ``default`` if the field is missing."""
         value = self.fields.get(name)
         return value.strip().upper() == "TRUE" if isinstance(value, str) else default
 
@@ -105,12 +105,12 @@ def walk(roots: list[SceneNode]) -> Iterator[SceneNode]:
 
 
 def unquoted(text: str) -> str:
-    """A text without its quotes and escapes."""
+    """Text without its quotes and escapes."""
     return re.sub(r"(?s)\\(.)", r"\1", text[1:-1])
 
 
 def too_many(what: str, most: int, where: str) -> StudioError:
-    """Sentence for a file that would need too much memory."""
+    """Error for a file that would need too much memory."""
     return StudioError(f"{where}: there are more than {most:,} {what}. Simplify the file.")
 
 

@@ -1,4 +1,4 @@
-"""VRML97 and classic X3D: text to nodes. PROTO instances keep their name and fields, with the defaults filled in."""
+"""VRML97 and classic X3D: text parsed to nodes. PROTO instances keep their name and fields, with defaults filled in."""
 
 import re
 import zlib
@@ -11,9 +11,9 @@ import numpy as np
 from studio.core.errors import StudioError
 from studio.io.hanim.scene import (
     DEEPEST_NODE,
-    LARGEST_TEXT,
+    LARGEST_TEXT_BYTES,
     MOST_HANIM_NODES,
-    STRING,
+    QUOTED_STRING_PATTERN,
     FloatArray,
     SceneNode,
     row_of,
@@ -27,7 +27,7 @@ _LONGEST_ROW = 1000
 """Numbers in one token: the stack of a repeated group grows with every repetition."""
 _TOKEN = re.compile(
     rf"""(?P<gap>[\s,]+|\#[^\n\r]*|0[xX][0-9a-fA-F]+)
-    |(?P<string>{STRING})
+    |(?P<string>{QUOTED_STRING_PATTERN})
     |(?P<numbers>(?:{_NUMBER}(?:[\s,]+|(?=[\]\}}\#])|\Z)){{1,{_LONGEST_ROW}}})
     |(?P<mark>[\[\]\{{\}}])
     |(?P<word>[^\s,"\#\[\]\{{\}}]+)
@@ -44,14 +44,16 @@ _LITERALS = frozenset({"TRUE", "FALSE", "NULL"})
 
 
 class _Token(NamedTuple):
+    """Token of the text, with its position."""
+
     kind: str
     text: str
     start: int
 
 
 def read_vrml(path: Path) -> list[SceneNode]:
-    """The nodes at the top of a .wrl or .x3dv file. Raises StudioError with file and line."""
-    content = _unpacked(read_bytes(path, LARGEST_TEXT), path.name)
+    """Top-level nodes of a .wrl or .x3dv file. Raises StudioError with file and line."""
+    content = _unpacked(read_bytes(path, LARGEST_TEXT_BYTES), path.name)
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -62,23 +64,25 @@ def read_vrml(path: Path) -> list[SceneNode]:
 
 
 def _unpacked(content: bytes, name: str) -> bytes:
-    """The text of a file that was packed with gzip, as VRML allows; any other as it is."""
+    """Text of a file, unpacked if it was packed with gzip, as VRML allows."""
     if content[:2] != b"\x1f\x8b":
         return content
     unpacker = zlib.decompressobj(wbits=31)
     damaged = StudioError(f"{name} is packed with gzip and damaged or cut off. Copy it again.")
     try:
-        text = unpacker.decompress(content, LARGEST_TEXT + 1)
+        text = unpacker.decompress(content, LARGEST_TEXT_BYTES + 1)
     except zlib.error as error:
         raise damaged from error
-    if len(text) > LARGEST_TEXT:
-        raise StudioError(f"{name} would unpack to more than {LARGEST_TEXT / 1e6:.0f} MB. Simplify the file.")
+    if len(text) > LARGEST_TEXT_BYTES:
+        raise StudioError(f"{name} would unpack to more than {LARGEST_TEXT_BYTES / 1e6:.0f} MB. Simplify the file.")
     if not unpacker.eof:
         raise damaged
     return text
 
 
 class _Parser:
+    """Parser of one file."""
+
     def __init__(self, text: str, name: str) -> None:
         self._text, self._name = text, name
         self._tokens = _tokens(text)
@@ -99,7 +103,7 @@ class _Parser:
         return nodes
 
     def _skip_line(self) -> None:
-        """``PROFILE Immersive``, ``META "a" "b"``: all that stands on one line."""
+        """Skip a statement on one line, such as ``PROFILE Immersive`` or ``META "a" "b"``."""
         end = self._text.find("\n", self._next.start if self._next else 0)
         while self._next is not None and (end < 0 or self._next.start < end):
             self._take()
@@ -121,7 +125,9 @@ class _Parser:
         return [node] if node is not None else []
 
     def _node(self) -> SceneNode | None:
-        """``DEF name Kind { ... }``, ``USE name``, ``Kind { ... }`` or ``NULL``."""
+        """Parse ``DEF name Kind { ... }``, ``USE name``, ``Kind { ... }`` or ``NULL``, and return the node, None for
+        ``NULL``.
+        """
         word = self._word()
         if word.text == "NULL":
             return None
@@ -200,7 +206,7 @@ class _Parser:
         return np.concatenate(rows) if rows and not items else items
 
     def _row(self) -> FloatArray:
-        """(n,) all numbers up to the next text, name or sign."""
+        """Parse all numbers (n,) up to the next text, name or sign."""
         parts = []
         while self._next is not None and self._next.kind == "numbers":
             where = self._where(self._next)
@@ -208,7 +214,7 @@ class _Parser:
         return np.concatenate(parts)
 
     def _proto(self) -> None:
-        """Its interface with the defaults; of its body only the braces matter here."""
+        """Parse the interface of a PROTO with its defaults; its body is skipped."""
         self._word()
         name = self._word().text
         self._mark("[")

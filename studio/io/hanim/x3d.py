@@ -1,11 +1,11 @@
-"""X3D in XML: elements to nodes, without entities and without opening other files."""
+"""X3D in XML: elements parsed to nodes, without entities and without opening other files."""
 
 from pathlib import Path
 from typing import Any
 from xml.parsers import expat
 
 from studio.core.errors import StudioError
-from studio.io.hanim.scene import DEEPEST_NODE, LARGEST_TEXT, MOST_HANIM_NODES, SceneNode, too_many
+from studio.io.hanim.scene import DEEPEST_NODE, LARGEST_TEXT_BYTES, MOST_HANIM_NODES, SceneNode, too_many
 from studio.io.referenced_files import read_bytes
 
 _FIELDS = {
@@ -32,11 +32,13 @@ _NO_NODES = frozenset({"X3D", "Scene", "head", "meta", "component", "unit", "ROU
 
 
 def read_x3d(path: Path) -> list[SceneNode]:
-    """The nodes at the top of the scene of an .x3d file. Raises StudioError with file and line."""
-    return _Reader(path).read(read_bytes(path, LARGEST_TEXT))
+    """Top-level nodes of the scene of an .x3d file. Raises StudioError with file and line."""
+    return _Reader(path).read(read_bytes(path, LARGEST_TEXT_BYTES))
 
 
 class _Reader:
+    """Reader of one file."""
+
     def __init__(self, path: Path) -> None:
         self._name = path.name
         self._parser = expat.ParserCreate()
@@ -103,7 +105,7 @@ class _Reader:
         return SceneNode(kind, self._where, attributes.get("DEF", ""), dict(plain))
 
     def _field_value(self, parent: SceneNode | None, attributes: dict[str, str]) -> SceneNode | None:
-        """A field of a PROTO instance: its value, or a place for the nodes inside."""
+        """Set a field of a PROTO instance to its value, or return a node that collects the nodes inside."""
         name = attributes.get("name", "")
         if parent is not None and "value" in attributes:
             parent.fields[name] = attributes["value"]

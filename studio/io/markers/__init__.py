@@ -1,1 +1,1 @@
-"""Optical markers as a capture, and marker maps, which give their positions on the body."""
+"""Interpretation of optical markers as captures, and files of marker maps."""

@@ -1,4 +1,4 @@
-"""Conversion of a marker take to a capture: the body, axes and floor are guessed as for other files, and listed."""
+"""Conversion of a marker take to a capture; body, axes and floor are guessed as for other files, and listed."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -19,14 +19,14 @@ from studio.core.markers.force_plates import plate_loads, plates_height
 from studio.core.markers.label_words import side_and_part
 from studio.core.markers.marker_map import MarkerMap, seen_labels
 from studio.core.markers.measures import has_pelvis, pelvis_frame
-from studio.core.markers.proposing import PROPOSED
-from studio.core.markers.roles import ROLE, SIDE_WORDS
+from studio.core.markers.proposing import PROPOSED_MAP_NAME
+from studio.core.markers.roles import ROLES_BY_ID, SIDE_WORDS
 from studio.core.markers.sides import exchanged_places
 from studio.core.markers.solve import SolvedBody, solve_body
 from studio.core.markers.take import MarkerTake, TrackedBody, track_body
 from studio.core.markers.trial import (
     MARKER_KIND,
-    METRES,
+    TRIAL_UNIT_METRES,
     VIRTUAL_KIND,
     Trial,
     label_without_subject,
@@ -39,7 +39,7 @@ from studio.io.capture_guesses import reference_by_option
 from studio.io.guessing import guess_floor
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress
-from studio.io.up_axis import C3D_UP_PRIOR, FILE_AXES, BodyPoints, axis_called, guess_up_axis, turn_to_world
+from studio.io.up_axis import C3D_UP_PRIOR, FILE_AXES, BodyPoints, guess_up_axis, parse_axis, turn_to_world
 
 FloatArray = NDArray[np.float64]
 
@@ -64,7 +64,7 @@ def capture_of_take(
     repairs: Sequence[str] = (),
     progress: Progress = lambda share, text: None,
 ) -> Capture:
-    """Body solved from the take, or its markers alone if they do not make one; raises StudioError."""
+    """Capture of the body solved from the take, or of its markers alone if they make no body. Raises StudioError."""
     progress(0.0, f"Cleaning the markers of {take.trial.name}")
     take, guesses = _in_unit(take, options)
     there = _there(take)
@@ -80,15 +80,15 @@ def capture_of_take(
 
 
 def _there(take: MarkerTake) -> MarkerMap:
-    """Map restricted to markers of this trial."""
+    """Marker map restricted to markers of this trial."""
     return take.marker_map.restricted_to(seen_labels(take.trial, take.subject, (MARKER_KIND, VIRTUAL_KIND)).values())
 
 
 def _in_unit(take: MarkerTake, options: ImportOptions) -> tuple[MarkerTake, list[Guess]]:
     if options.unit is None:
         return take, []
-    if options.unit not in METRES:
-        raise StudioError(f"'{options.unit}' is not a unit of a marker file. Choose {', '.join(METRES)}.")
+    if options.unit not in TRIAL_UNIT_METRES:
+        raise StudioError(f"'{options.unit}' is not a unit of a marker file. Choose {', '.join(TRIAL_UNIT_METRES)}.")
     return replace(take, trial=replace(take.trial, unit=options.unit)), []
 
 
@@ -136,7 +136,7 @@ def _body(take: MarkerTake, followed: TrackedBody, options: ImportOptions, guess
 
 
 def _from_the_start(poses: PoseSequence, first: int) -> PoseSequence:
-    """Poses with ``first`` still frames before them, in which the body is not seen."""
+    """Poses preceded by ``first`` still frames, in which the body is not seen."""
     before = ((first, 0), (0, 0), (0, 0))
     return PoseSequence(
         np.pad(poses.local_rotations, before, mode="edge"), np.pad(poses.local_translations, before, mode="edge")
@@ -165,7 +165,7 @@ def _limb_length(joints: Mapping[str, FloatArray]) -> float:
 
 def _up_axis(followed: TrackedBody, options: ImportOptions, guesses: list[Guess]) -> str:
     if options.up_axis is not None:
-        return axis_called(options.up_axis)
+        return parse_axis(options.up_axis)
     joints, first = _with_a_trunk(followed), followed.first_frame
     if "left_hip" in joints and "left_shoulder" in joints:
         guess = guess_up_axis(_points(joints, first), C3D_UP_PRIOR)
@@ -185,7 +185,7 @@ def _up_axis(followed: TrackedBody, options: ImportOptions, guesses: list[Guess]
 
 
 def _with_a_trunk(followed: TrackedBody) -> Mapping[str, FloatArray]:
-    """Joint centres by name; shoulders without markers stand over their hips as the pelvis does."""
+    """Joint centres by name; shoulders without markers are placed above their hips, upright as the pelvis."""
     joints = followed.joints
     if "left_hip" not in joints or "left_shoulder" in joints or not has_pelvis(followed.tracks):
         return joints
@@ -216,7 +216,9 @@ def _stature(take: MarkerTake) -> float | None:
 def _floor(
     solved: SolvedBody, positions: FloatArray, options: ImportOptions, frame_rate: float
 ) -> tuple[float, list[Guess]]:
-    """Height of the ground under standing feet; zero, the level of a laboratory's calibration, if that is near."""
+    """Height of the ground under standing feet, with guesses; zero, the level of a laboratory's calibration, if that is
+    near.
+    """
     if options.floor is not None:
         return options.floor, []
     guess = guess_floor(solved.skeleton, positions, solved.body_map, frame_rate)
@@ -230,7 +232,7 @@ def _floor(
 
 
 def _reference(solved: SolvedBody, options: ImportOptions) -> FloatArray:
-    """Zero pose, since the body was solved with a T-pose there."""
+    """Zero pose, because bodies are solved with a T-pose there."""
     return reference_by_option(solved.skeleton, solved.poses, solved.body_map, options.reference or "zero")
 
 
@@ -240,7 +242,9 @@ def _body_guesses(
     solved: SolvedBody,
     off: Mapping[str, FloatArray],
 ) -> list[Guess]:
-    """Guesses about the body; ``off`` (N,) are metres from each joint to its centre, where that is seen."""
+    """Guesses about the body; ``off`` (N,) are distances in metres from each joint to its centre in frames that show
+    it.
+    """
     used = _there(take)
     first = followed.first_frame
     every = np.concatenate(list(off.values()))
@@ -249,7 +253,7 @@ def _body_guesses(
             "marker map",
             take.marker_map.name,
             f"{counted_noun(len(used.labels), 'marker')} at {counted_noun(len(used.markers), 'place')}.",
-            Confidence.LIKELY if take.marker_map.name == PROPOSED else Confidence.SURE,
+            Confidence.LIKELY if take.marker_map.name == PROPOSED_MAP_NAME else Confidence.SURE,
         ),
         Guess(
             "measures",
@@ -290,7 +294,7 @@ def _body_guesses(
 
 
 def _far_off(off: Mapping[str, FloatArray]) -> str:
-    """Joints that are farther from their centres than skin moves, if there are any."""
+    """Clause about joints that are farther from their centres than skin moves; empty if there are none."""
     far = [joint.replace("_", " ") for joint, own in off.items() if len(own) and float(np.median(own)) > _SKIN]
     return f" {', '.join(far).capitalize()} lie farther off most of the time." if far else ""
 
@@ -320,7 +324,7 @@ def _side_guesses(take: MarkerTake) -> list[Guess]:
 
 
 def _end_guesses(take: MarkerTake) -> list[Guess]:
-    """Places of one side that carry each other's names, or labels that the map has put right."""
+    """Guesses about roles of one side that carry each other's names, and labels that the map has corrected."""
     ends = exchanged_ends(take.trial, take.marker_map, take.subject)
     limbs = exchanged_on_limbs(take.trial, take.marker_map, take.subject)
     if there := sorted({*ends, *limbs}):
@@ -352,7 +356,7 @@ def _not_shown(take: MarkerTake, used: MarkerMap, resting: Sequence[str]) -> Gue
             )
             continue
         places = [f"{side}_{joint}" for joint in _PLACES[part] for side in SIDE_WORDS]
-        lacking = [ROLE[place].words.partition(",")[0].lower() for place in places if place not in there]
+        lacking = [ROLES_BY_ID[place].words.partition(",")[0].lower() for place in places if place not in there]
         lack = f"The {part} lack markers at {', '.join(lacking)}."
         sentences.append(lack if lacking else f"The {part} cannot be told from the markers at their places.")
     known = used.labels | set(used.centres.values())
@@ -380,12 +384,12 @@ def _shown(trial: Trial) -> str:
 
 
 def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list[Guess]) -> Capture:
-    """Every marker as a joint of its own under one root, until its label is known."""
+    """Capture with every marker as a joint of its own under one root, until the labels are known."""
     trial = take.trial
     labels = tuple(seen_labels(trial, take.subject))
     if not labels:
         raise StudioError(f"{trial.source} shows no marker: {_shown(trial)}. Export it with its markers.")
-    up_axis = axis_called(options.up_axis or "Z")
+    up_axis = parse_axis(options.up_axis or "Z")
     points = trial.metres * trial.points[:, [trial.labels.index(label) for label in labels]] @ turn_to_world(up_axis).T
     frames = np.arange(trial.frame_count)
     for place in range(len(labels)):

@@ -1,4 +1,4 @@
-"""Marker maps in files: bundled ones, the user's own, and the choice of one for a trial."""
+"""Files of marker maps: bundled ones, the user's own, and the choice of one for a trial."""
 
 import json
 import re
@@ -28,7 +28,7 @@ _ADRIFT = ("thigh", "shank", "upper_arm", "forearm", "hip")
 def find_map(trial: Trial, subject: str = "") -> MarkerMap:
     """Map of a trial's markers, with sides and ends of limbs corrected that are exchanged through the whole trial.
 
-    A map of the user's if it can track a body, else the bundled one that explains most markers, completed by a
+    It is a map of the user if one can track a body, else the bundled map that explains most markers, completed by a
     proposal; else a proposal.
     """
     labels = list(seen_labels(trial, subject, (MARKER_KIND, VIRTUAL_KIND)).values())
@@ -43,14 +43,16 @@ def find_map(trial: Trial, subject: str = "") -> MarkerMap:
 
 
 def _best(maps: Iterable[MarkerMap], labels: Sequence[str]) -> MarkerMap | None:
-    """Map with most positions among the labels, fitted to them; None if none can track a limb."""
-    fitting = [fitted(each, labels) for each in maps]
+    """Map with most roles among the labels, fitted to them; None if none can track a limb."""
+    fitting = [fitted_map(each, labels) for each in maps]
     able = [each for each in fitting if each.has_legs() or each.has_arms()]
     return max(able, key=lambda each: len(each.markers) + len(each.centres), default=None)
 
 
 def _completed(known: MarkerMap, proposed: MarkerMap) -> MarkerMap:
-    """Known map without markers that are joint centres by measure, completed with positions that it leaves open."""
+    """Map ``known`` without markers that are joint centres by measure, and with the roles of ``proposed`` that it
+    leaves open.
+    """
     centres = {joint: label for joint, label in proposed.centres.items() if joint not in known.centres}
     inside = set(centres.values())
     markers = {role: own for role, own in known.markers.items() if not inside & set(own)}
@@ -64,9 +66,9 @@ def _completed(known: MarkerMap, proposed: MarkerMap) -> MarkerMap:
 
 
 def find_subject(trial: Trial) -> str:
-    """First subject whose markers can track a body if labels name several, else the one with most markers.
+    """Subject of a trial: the first one whose markers can track a body, else the one with most markers.
 
-    Empty if there is only one.
+    It is empty if labels name fewer than two subjects.
     """
     subjects = [subject_of(label) for label in trial.markers]
     names = dict.fromkeys(subjects)
@@ -76,8 +78,10 @@ def find_subject(trial: Trial) -> str:
     return next((name for name in names if 2 * subjects.count(name) > subjects.count(most)), most)
 
 
-def fitted(known: MarkerMap, labels: Iterable[str]) -> MarkerMap:
-    """``known`` restricted to a trial's labels, as written there: ``lasi`` or ``Skeleton_LASI`` for ``LASI``."""
+def fitted_map(known: MarkerMap, labels: Iterable[str]) -> MarkerMap:
+    """Map ``known`` restricted to a trial's labels, as they are written there: ``lasi`` or ``Skeleton_LASI`` for
+    ``LASI``.
+    """
     labels = list(labels)
     named = {label.lower() for own in known.markers.values() for label in own} | {
         label.lower() for label in known.centres.values()
@@ -105,17 +109,17 @@ def _written(labels: Iterable[str], beginning: str) -> dict[str, str]:
 
 
 def known_maps() -> tuple[MarkerMap, ...]:
-    """The user's maps, then the bundled ones; ``unreadable_maps`` reports the others."""
+    """Maps of the user, then the bundled ones; ``unreadable_maps`` reports the others."""
     return (*_read_maps()[0], *_shipped_maps())
 
 
 def unreadable_maps() -> tuple[str, ...]:
-    """One sentence for each of the user's maps that cannot be read."""
+    """Error messages, one for each map of the user that cannot be read."""
     return _read_maps()[1]
 
 
 def _read_maps() -> tuple[tuple[MarkerMap, ...], tuple[str, ...]]:
-    """The user's maps, and one sentence for each that cannot be read."""
+    """Maps of the user, and an error message for each that cannot be read."""
     own = sorted(maps_folder().glob("*.json")) if maps_folder().is_dir() else []
     found, failures = [], []
     for path in own:
@@ -137,7 +141,7 @@ def maps_folder() -> Path:
 
 
 def read_map(path: Path) -> MarkerMap:
-    """The map in a JSON file; raises StudioError with the file and what to do."""
+    """Map in a JSON file. Raises StudioError with the file and what to do."""
     record = read_json(path, _LARGEST)
     try:
         return map_of(record)
@@ -149,7 +153,7 @@ def read_map(path: Path) -> MarkerMap:
 
 
 def map_of(record: Mapping[str, Any]) -> MarkerMap:
-    """Map from JSON; ``{side}`` and ``{S}`` stand for both sides."""
+    """Map in a JSON record; ``{side}`` and ``{S}`` stand for both sides."""
     markers: dict[str, tuple[str, ...]] = {}
     centres: dict[str, str] = {}
     for role, labels in record["markers"].items():
@@ -164,7 +168,7 @@ def map_of(record: Mapping[str, Any]) -> MarkerMap:
 
 
 def save_map(marker_map: MarkerMap, path: Path | None = None) -> Path:
-    """Save a map, by default among the user's own under its name; returns its path. Raises StudioError."""
+    """Save a map, by default among the user's own under its name, and return its path. Raises StudioError."""
     if path is None:
         name = re.sub(r"[^\w -]+", "_", marker_map.name).strip() or "markers"
         path = maps_folder() / f"{name}.json"

@@ -1,4 +1,4 @@
-"""Trial of optical markers, of any format, as a capture that can be interpreted again with other options."""
+"""Interpretation of a marker trial, of any format, as a capture that can be interpreted again with other options."""
 
 from collections.abc import Sequence
 
@@ -10,21 +10,22 @@ from studio.core.markers.trial import Trial
 from studio.io.importing import ImportOptions
 from studio.io.markers.capture import capture_of_take
 from studio.io.markers.maps import find_subject, unreadable_maps
-from studio.io.markers.unit import in_believable_unit
+from studio.io.markers.unit import with_plausible_unit
 from studio.io.registry import Progress, ReadCapture
 
 _FILE_READ = 0.4
-"""The share of the work that is done once the file is read."""
+"""Fraction of the work that is done after the file has been read."""
 
 
-def read_of_trial(
+def read_capture_of_trial(
     trial: Trial,
     repairs: Sequence[str],
     annotations: Annotations,
     options: ImportOptions,
     progress: Progress,
 ) -> ReadCapture:
-    """Body solved from ``trial``, or its markers alone if their labels are unknown; raises StudioError.
+    """Capture of the body solved from ``trial``, or of its markers alone if their labels are unknown. Raises
+    StudioError.
 
     ``repairs`` are those made while reading the file.
     """
@@ -32,7 +33,7 @@ def read_of_trial(
     def interpret(options: ImportOptions, progress: Progress) -> Capture:
         progress(_FILE_READ, f"Finding the body in {trial.source}")
         subject = find_subject(trial)
-        in_unit, marker_map, guesses = in_believable_unit(trial, options.marker_map, subject, options.unit)
+        in_unit, marker_map, guesses = with_plausible_unit(trial, options.marker_map, subject, options.unit)
         steps = USUAL_STEPS if options.marker_steps is None else options.marker_steps
         take = MarkerTake(in_unit, marker_map, steps, subject)
         told = lambda share, text: progress(_FILE_READ + (1.0 - _FILE_READ) * share, text)  # noqa: E731

@@ -1,4 +1,4 @@
-"""Unit of a marker trial: that of the file if its markers then have human size, else one in which they do."""
+"""Unit of a marker trial: the stated one if the markers then have human size, else one with which they do."""
 
 from dataclasses import replace
 
@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from studio.core.captures.capture import Guess
 from studio.core.markers.marker_map import MarkerMap, role_markers, role_middles, seen_labels
-from studio.core.markers.trial import METRES, Trial
-from studio.io.guessing import Scale, find_unit
+from studio.core.markers.trial import TRIAL_UNIT_METRES, Trial
+from studio.io.guessing import Scale, choose_unit
 from studio.io.markers.maps import find_map
 
 _UNITS = {"m": "m", "me": "m", "met": "m", "mete": "m", "meter": "m", "metre": "m", "meters": "m", "metres": "m"}
@@ -16,26 +16,27 @@ _UNITS |= {"mm": "mm", "mill": "mm", "millimeter": "mm", "millimetre": "mm", "mi
 _UNITS |= {"cm": "cm", "cent": "cm", "centimeter": "cm", "centimetre": "cm", "centimeters": "cm", "centimetres": "cm"}
 _UNITS |= {"in": "inch", "inch": "inch", "inches": "inch"}
 _OVER_SKIN = 1.06
-"""The way over the markers of hip, knee and ankle, in lengths of the leg between the joints."""
+"""Length of the path over the markers of hip, knee and ankle, relative to that between the joints."""
 _LEG_OF_ARM = 1.5
 _SIZES = (0.5, 3.5)
 """Metres between the two markers of a person that are farthest apart."""
 _LOOKED_AT = 32
 
 
-def named_unit(said: str) -> str | None:
-    """Name here of the unit of length ``said`` by a file; None if it is unknown."""
+def unit_by_spelling(said: str) -> str | None:
+    """Unit of length that a file spells ``said``, by its name in the studio; None if it is unknown."""
     return _UNITS.get(said.lower().rstrip("."))
 
 
-def in_believable_unit(
+def with_plausible_unit(
     trial: Trial, marker_map: MarkerMap | None, subject: str, unit: str | None
 ) -> tuple[Trial, MarkerMap, list[Guess]]:
-    """Trial in the user's ``unit``, or in one in which its legs are plausible; and its map, proposed if there is none.
+    """Trial in the user's ``unit``, or in a unit with which its legs are plausible; its marker map; and the guesses.
 
-    A map is proposed by measure, so other units are tried if none has legs in that of the file.
+    The map is proposed by measure if ``marker_map`` is None, so other units are tried if it finds no legs with the
+    stated unit.
     """
-    if unit is not None and unit in METRES:
+    if unit is not None and unit in TRIAL_UNIT_METRES:
         trial = replace(trial, unit=unit)
     found = marker_map or find_map(trial, subject)
     if unit is not None:
@@ -47,15 +48,15 @@ def in_believable_unit(
             if (leg := _leg(trial, found_there, subject)) is not None:
                 found = found_there
                 break
-    scale, guess = find_unit(leg, Scale(trial.unit, trial.metres))
-    if guess is None or scale.unit not in METRES:
+    scale, guess = choose_unit(leg, Scale(trial.unit, trial.metres))
+    if guess is None or scale.unit not in TRIAL_UNIT_METRES:
         return trial, found, []
     trial = replace(trial, unit=scale.unit)
     return trial, marker_map or find_map(trial, subject), [guess]
 
 
 def _leg(trial: Trial, marker_map: MarkerMap, subject: str) -> float | None:
-    """Median length of a leg in units of the file, by markers near its joints, or by an arm's; None without either."""
+    """Median length of a leg in units of the file, by the markers near its joints or by an arm; None without either."""
     places = role_middles(role_markers(trial, marker_map, subject))
     lengths = []
     for chain, factor in ((("front_hip", "knee", "ankle"), 1.0), (("shoulder", "elbow", "wrist"), _LEG_OF_ARM)):
@@ -73,7 +74,7 @@ def _leg(trial: Trial, marker_map: MarkerMap, subject: str) -> float | None:
 
 
 def _units_of_size(trial: Trial, subject: str) -> list[str]:
-    """Units in which the trial's cloud of markers is as large as a person, if it is not in that of the file."""
+    """Units with which the trial's cloud of markers is as large as a person; empty if it is so with the stated unit."""
     places = [trial.labels.index(label) for label in seen_labels(trial, subject)]
     frames = np.unique(np.linspace(0, trial.frame_count - 1, _LOOKED_AT).astype(int))
     points = trial.points[frames][:, places]
@@ -86,4 +87,4 @@ def _units_of_size(trial: Trial, subject: str) -> list[str]:
     size = float(np.median(sizes)) if sizes else 0.0
     if _SIZES[0] < size * trial.metres < _SIZES[1]:
         return []
-    return [unit for unit, metres in METRES.items() if _SIZES[0] < size * metres < _SIZES[1]]
+    return [unit for unit, metres in TRIAL_UNIT_METRES.items() if _SIZES[0] < size * metres < _SIZES[1]]

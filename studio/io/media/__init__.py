@@ -1,1 +1,1 @@
-"""Films, footage and sounds, by way of ffmpeg; what is heard goes out by way of miniaudio."""
+"""Films, footage and sounds by ffmpeg, and sound output by miniaudio."""

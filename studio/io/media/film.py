@@ -45,20 +45,20 @@ def write_film(path: Path, frames: Iterable[NDArray[np.uint8]], size: tuple[int,
 
 
 class FilmEncoder:
-    """Running ffmpeg that writes a film beside its final path."""
+    """Running ffmpeg process that writes a film beside its final path."""
 
     def __init__(self, process: "subprocess.Popen[bytes]", path: Path, part: Path) -> None:
         self._process, self._path, self._part = process, path, part
 
     def take(self, frame: NDArray[np.uint8]) -> None:
-        """Write the next frame, if frames are passed here."""
+        """Write the next frame to ffmpeg, unless it reads the frames from another process."""
         assert self._process.stdin is not None
         self._process.stdin.write(np.ascontiguousarray(frame).data)
 
     def finish(self, frames: int, alive: Callable[[], object] = lambda: None) -> None:
-        """Wait until the film is written; StudioError unless all its ``frames`` are in it.
+        """Wait until the film is written. Raises StudioError unless it has all its ``frames``.
 
-        ``alive`` is called while waiting and may raise to cancel.
+        ``alive`` is called while waiting and may raise an exception to cancel.
         """
         if self._process.stdin is not None:
             self._process.stdin.close()
@@ -71,9 +71,10 @@ class FilmEncoder:
 
 @contextmanager
 def film_encoder(path: Path, source: Streams, size: tuple[int, int], frame_rate: float) -> Iterator[FilmEncoder]:
-    """Writer of the RGBA frames that ``source`` gives, or ``take`` where that is a pipe.
+    """Context with an encoder of RGBA frames, which come from ``source``, or from ``FilmEncoder.take`` if that is a
+    pipe.
 
-    The film appears whole or not at all: whatever the block raises, the encoder is ended at once. Raises StudioError.
+    The film appears whole or not at all; if the block raises, the encoder is stopped at once. Raises StudioError.
     """
     if size[0] % 2 or size[1] % 2:
         raise StudioError(f"A video's width and height are even numbers, not {size[0]}x{size[1]}.")
@@ -82,7 +83,9 @@ def film_encoder(path: Path, source: Streams, size: tuple[int, int], frame_rate:
 
 
 def _command(part: Path, size: tuple[int, int], frame_rate: float) -> list[str]:
-    """Command of ffmpeg: colours halved as every player reads them; the rate as a fraction, for 29.97 is none."""
+    """Command of ffmpeg, with halved colour resolution for all players, and the rate as a fraction because 29.97 is
+    inexact.
+    """
     from imageio_ffmpeg import get_ffmpeg_exe
 
     rate = str(Fraction(frame_rate).limit_denominator())

@@ -1,4 +1,4 @@
-"""Frames of reference footage: of films by the ffmpeg of imageio-ffmpeg, of numbered pictures by Pillow."""
+"""Frames of reference footage: films are decoded by ffmpeg, numbered pictures by Pillow."""
 
 import re
 import subprocess
@@ -16,30 +16,32 @@ from studio.core.stage.footage import FOOTAGE_RATES, Footage
 from studio.io.child_process import child_process
 
 Picture = NDArray[np.uint8]
-"""(height, width, 3) red, green and blue."""
+"""Pixels (height, width, 3), red, green and blue."""
 
 FILM_SUFFIXES = (".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi", ".mpg", ".mpeg", ".wmv", ".gif")
 PICTURE_SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp")
-MOST_FOOTAGE_SIDE = 960
-"""Pixels of the longer side of a frame; larger ones are scaled."""
-PICTURES_RATE = 30.0
-"""Frames a second of numbered pictures, until the user says another rate."""
+MOST_FOOTAGE_SIDE_PIXELS = 960
+"""Longest side of a frame in pixels; larger frames are reduced."""
+USUAL_PICTURES_RATE = 30.0
+"""Frame rate of numbered pictures until the user sets another."""
 _NUMBER = re.compile(r"(\d+)$")
 
 
 def is_sequence(path: Path) -> bool:
-    """True if ``path`` is one of numbered pictures, and not a film."""
+    """True if ``path`` belongs to numbered pictures, and is no film."""
     return path.suffix.lower() in PICTURE_SUFFIXES
 
 
 def read_footage(path: Path) -> Footage:
-    """Count and rate of the frames of a film, or of the pictures to which ``path`` belongs. Raises StudioError."""
+    """Footage of a film, or of the pictures to which ``path`` belongs, with its frame count and rate. Raises
+    StudioError.
+    """
     if is_sequence(path):
         files = sequence_of(path)
         if not files:
             raise StudioError(f"{path.name} is not there any more. Choose another file.")
-        next(footage_frames(files[0], PICTURES_RATE, 0))
-        return Footage(_name_of(files[0]), str(files[0]), len(files), PICTURES_RATE, PICTURES_RATE)
+        next(footage_frames(files[0], USUAL_PICTURES_RATE, 0))
+        return Footage(_name_of(files[0]), str(files[0]), len(files), USUAL_PICTURES_RATE, USUAL_PICTURES_RATE)
     if not path.is_file():
         raise StudioError(f"{path.name} is not there any more. Choose another file.")
     try:
@@ -58,7 +60,9 @@ def read_footage(path: Path) -> Footage:
 
 
 def sequence_of(path: Path) -> tuple[Path, ...]:
-    """Files of the folder that differ from ``path`` only in the number at the end of their stem, by this number."""
+    """Files of the folder that differ from ``path`` only in the number at the end of their stem, in order of this
+    number.
+    """
     stem, suffix, alike = _NUMBER.sub("", path.stem), path.suffix.lower(), []
     for each in path.parent.glob("*") if path.parent.is_dir() else ():
         number = _NUMBER.search(each.stem)
@@ -70,9 +74,9 @@ def sequence_of(path: Path) -> tuple[Path, ...]:
 
 
 def footage_frames(path: Path, file_rate: float, first: int) -> Generator[Picture, None, None]:
-    """Frames of a film or of numbered pictures from ``first`` on, no side longer than ``MOST_FOOTAGE_SIDE``.
+    """Frames of a film or of numbered pictures from ``first`` on, no side longer than ``MOST_FOOTAGE_SIDE_PIXELS``.
 
-    Raises StudioError where one cannot be read; a film just ends there.
+    Raises StudioError if a picture cannot be read; a damaged film just ends.
     """
     return _picture_frames(sequence_of(path)[first:]) if is_sequence(path) else _film_frames(path, file_rate, first)
 
@@ -83,17 +87,18 @@ def _picture_frames(files: tuple[Path, ...]) -> Generator[Picture, None, None]:
     for file in files:
         try:
             with Image.open(file) as image:
-                image.draft("RGB", (MOST_FOOTAGE_SIDE, MOST_FOOTAGE_SIDE))
+                image.draft("RGB", (MOST_FOOTAGE_SIDE_PIXELS, MOST_FOOTAGE_SIDE_PIXELS))
                 pixels = image.convert("RGB")
         except (OSError, UnidentifiedImageError, Image.DecompressionBombError) as error:
             raise StudioError(f"The image {file.name} cannot be read. Choose a PNG or JPEG file.") from error
-        pixels.thumbnail((MOST_FOOTAGE_SIDE, MOST_FOOTAGE_SIDE))
+        pixels.thumbnail((MOST_FOOTAGE_SIDE_PIXELS, MOST_FOOTAGE_SIDE_PIXELS))
         yield np.asarray(pixels)
 
 
 def _film_frames(path: Path, file_rate: float, first: int) -> Generator[Picture, None, None]:
-    """Frames as ffmpeg writes them one behind the other, each with its size before it (PPM)."""
-    size = f"'min({MOST_FOOTAGE_SIDE},iw)':'min({MOST_FOOTAGE_SIDE},ih)':force_original_aspect_ratio=decrease"
+    """Frames as ffmpeg writes them in succession, each preceded by its size (PPM)."""
+    side = MOST_FOOTAGE_SIDE_PIXELS
+    size = f"'min({side},iw)':'min({side},ih)':force_original_aspect_ratio=decrease"
     even = f"fps={file_rate:.6f}:start_time=0,scale={size}"
     seek = ["-ss", f"{first / file_rate:.6f}"] if first else []
     command = [get_ffmpeg_exe(), "-v", "error", "-nostdin", *seek, "-i", str(path), "-an", "-vf", even]

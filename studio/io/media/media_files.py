@@ -1,4 +1,4 @@
-"""Files of sounds and footage that have moved: found by their name in known folders."""
+"""Search for files of sounds and footage that have moved, by their name in known folders."""
 
 import os
 from collections.abc import Iterable
@@ -8,11 +8,11 @@ from studio.core.errors import StudioError
 
 
 class MediaMissing(StudioError):  # noqa: N818 - it names what is the case
-    """File of a sound or of footage that was not found anywhere."""
+    """Error: the file of a sound or of footage was not found."""
 
 
 def find_media(source: str, name: str, folders: Iterable[Path]) -> Path:
-    """File or folder ``source`` of the sound or footage ``name``, or one of its name in ``folders``.
+    """Path of the sound or footage ``name``: ``source``, or a file with its name in ``folders``.
 
     Raises MediaMissing if there is neither.
     """

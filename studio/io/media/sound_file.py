@@ -1,4 +1,4 @@
-"""Sound files, read by the ffmpeg that imageio-ffmpeg brings along; the sound of a film as well."""
+"""Sound files, and the sound of films, decoded by ffmpeg."""
 
 import os
 import subprocess
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from studio.core.errors import StudioError
 from studio.core.names import readable_name
 from studio.core.stage.beats import beats_of
-from studio.core.stage.sound_track import LOUDEST_PEAK, MOST_SOUND_SECONDS, PEAK_RATE, SoundTrack
+from studio.core.stage.sound_track import LONGEST_SOUND_SECONDS, LOUDEST_PEAK, PEAK_RATE, SoundTrack
 from studio.io.child_process import child_process, wait_for
 from studio.io.media.sound_output import HEARD_CHANNELS, HEARD_RATE
 
@@ -22,11 +22,13 @@ SOUND_SUFFIXES = (".wav", ".mp3", ".m4a", ".aac", ".ogg", ".flac", ".aiff", ".mp
 _FRAME_BYTES = 4
 """Bytes of a moment of either form that is decoded: one float, or two channels of 16 bits."""
 SOUND_RATE = 11_000
-"""Hz at which a sound is read: enough for its waveform and beats."""
+"""Sample rate in Hz for reading: enough for the waveform and beats."""
 
 
 def read_sound(path: Path, alive: Callable[[], object] = lambda: None) -> SoundTrack:
-    """The waveform and beats of a file; ``alive`` raises to break off. Raises StudioError."""
+    """Sound track of a file with its waveform and beats; ``alive`` may raise an exception to cancel. Raises
+    StudioError.
+    """
     with tempfile.TemporaryFile() as decoded:
         _decode(path, decoded, ("-ac", "1", "-ar", str(SOUND_RATE), "-f", "f32le"), alive)
         decoded.seek(0)
@@ -43,7 +45,7 @@ def read_sound(path: Path, alive: Callable[[], object] = lambda: None) -> SoundT
 def read_samples(path: Path, alive: Callable[[], object] = lambda: None) -> NDArray[np.int16]:
     """Samples (N, 2) of a file for playback, in a temporary file, so that an hour needs no memory.
 
-    ``alive`` may raise to cancel. Raises StudioError.
+    ``alive`` may raise an exception to cancel. Raises StudioError.
     """
     with tempfile.TemporaryFile() as decoded:
         _decode(path, decoded, ("-ac", str(HEARD_CHANNELS), "-ar", str(HEARD_RATE), "-f", "s16le"), alive)
@@ -51,10 +53,10 @@ def read_samples(path: Path, alive: Callable[[], object] = lambda: None) -> NDAr
 
 
 def _decode(path: Path, decoded: IO[bytes], form: Sequence[str], alive: Callable[[], object]) -> None:
-    """Write the sound of a file as bare samples. Raises StudioError where there is none."""
+    """Write the sound of a file as bare samples to ``decoded``. Raises StudioError if it has none."""
     if not path.is_file():
         raise StudioError(f"{path.name} is not there any more. Choose another file.")
-    command = [get_ffmpeg_exe(), "-v", "error", "-nostdin", "-t", str(MOST_SOUND_SECONDS), "-i", str(path), "-vn"]
+    command = [get_ffmpeg_exe(), "-v", "error", "-nostdin", "-t", str(LONGEST_SOUND_SECONDS), "-i", str(path), "-vn"]
     with child_process([*command, *form, "-"], subprocess.DEVNULL, decoded, subprocess.DEVNULL) as process:
         wait_for(process, alive)
     size = os.fstat(decoded.fileno()).st_size

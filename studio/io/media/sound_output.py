@@ -18,30 +18,32 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 HEARD_RATE = 48_000
-"""Samples a second of what is heard."""
+"""Sample rate of the output in Hz."""
 HEARD_CHANNELS = 2
-PERIOD_MILLISECONDS, PERIODS = 40, 3
-"""Length and number of the pieces that the device asks for: enough for a busy window, and few for a seek."""
+PERIOD_MILLISECONDS, DEVICE_PERIODS = 40, 3
+"""Length and number of the pieces that the device requests: enough for a busy window, and few enough for a
+quick seek.
+"""
 SETTLING_PIECES = 12
-"""Pieces after which the lead of what is asked over what is heard is known."""
-LEAD_SECONDS, MOST_STRETCH = 5.0, 0.005
-"""Seconds in which a deviation of the lead is taken back, and how much faster or slower the sound then is at most."""
+"""Number of pieces after which the lead of requests over the clock is known."""
+LEAD_CORRECTION_SECONDS, MOST_STRETCH = 5.0, 0.005
+"""Seconds in which a deviation of the lead is corrected, and the greatest relative change of speed for this."""
 LOST_SECONDS = 0.1
-"""Deviation of the lead after which the sound jumps: the device has had nothing to play."""
+"""Deviation of the lead in seconds above which the sound jumps: the device has had nothing to play."""
 SILENT_SECONDS = 0.5
-"""Seconds of silence after which the device is let go."""
+"""Seconds of silence after which the device is released."""
 
 
 @dataclass(frozen=True, eq=False)
 class HeardSound:
-    """Samples (N, 2) of 16 bits at ``HEARD_RATE`` that begin at stage second ``start``."""
+    """Sound to play: samples (N, 2) of 16 bits at ``HEARD_RATE`` that begin at stage second ``start``."""
 
     samples: NDArray[np.int16]
     start: float
 
 
 def mix(sounds: Sequence[HeardSound], seconds: FloatArray) -> NDArray[np.float32]:
-    """(N, 2) samples from -1 to 1 at the stage's ``seconds`` (N,); silence where these are NaN."""
+    """Mixed samples (N, 2) from -1 to 1 at stage ``seconds`` (N,); silence where these are NaN."""
     mixed = np.zeros((len(seconds), HEARD_CHANNELS), dtype=np.float32)
     for sound in sounds:
         places = (seconds - sound.start) * HEARD_RATE
@@ -53,10 +55,10 @@ def mix(sounds: Sequence[HeardSound], seconds: FloatArray) -> NDArray[np.float32
 
 
 class StreamClock:
-    """Clock seconds at which the samples of a stream are heard, from the times of its device's requests.
+    """Clock times at which the samples of a stream are heard, estimated from the times of its device's requests.
 
     A device requests pieces at uneven times, and its sample rate is not exactly that of the clock. So the lead of the
-    requests over the clock is measured once, and kept by playing slightly faster or slower.
+    requests over the clock is measured once, and kept constant by playing slightly faster or slower.
     """
 
     def __init__(self) -> None:
@@ -64,7 +66,7 @@ class StreamClock:
         self._leads: list[float] = []
 
     def advance(self, now: float, count: int) -> FloatArray:
-        """(count,) clock seconds at which the next samples are heard, requested by the device at ``now``."""
+        """Clock seconds (count,) at which the next samples are heard, which the device requests at ``now``."""
         if self._heard is None:
             self._heard = now
         error = 0.0
@@ -74,17 +76,17 @@ class StreamClock:
             error = now + float(np.median(self._leads)) - self._heard
         if abs(error) > LOST_SECONDS:
             self._heard, error = self._heard + error, 0.0
-        stretch = 1.0 + min(max(error / LEAD_SECONDS, -MOST_STRETCH), MOST_STRETCH)
+        stretch = 1.0 + min(max(error / LEAD_CORRECTION_SECONDS, -MOST_STRETCH), MOST_STRETCH)
         seconds = self._heard + np.arange(count) * (stretch / HEARD_RATE)
         self._heard += count * stretch / HEARD_RATE
         return np.asarray(seconds)
 
 
 class SoundOutput:
-    """System's sound device, opened by a thread of its own while there is anything to play.
+    """Sound device of the system, opened by a thread of its own while there is anything to play.
 
-    ``report`` is called on that thread with a sentence if nothing can be played. ``backends`` names the allowed ones of
-    miniaudio; by default all of the system, except the one that discards its input.
+    ``report`` is called on that thread with a sentence if nothing can be played. ``backends`` names the allowed
+    backends of miniaudio; by default all of the system, except the one that discards its input.
     """
 
     def __init__(
@@ -101,7 +103,7 @@ class SoundOutput:
         self._thread: threading.Thread | None = None
 
     def play(self, run: PlaybackRun, sounds: Sequence[HeardSound]) -> None:
-        """Play sounds along the run of the stage; may be called at every move of the playhead."""
+        """Play sounds along the run of the playhead; may be called at every move of the playhead."""
         self._run, self._sounds, self._last_wanted = run, tuple(sounds), self._clock()
         if self._thread is None:
             self._thread = threading.Thread(target=self._serve, name="sound", daemon=True)
@@ -150,7 +152,7 @@ class SoundOutput:
                 HEARD_CHANNELS,
                 HEARD_RATE,
                 PERIOD_MILLISECONDS,
-                callback_periods=PERIODS,
+                callback_periods=DEVICE_PERIODS,
                 backends=chosen or [each for each in miniaudio.Backend if each is not miniaudio.Backend.NULL],
                 app_name="Morpho Studio",
             )
@@ -160,7 +162,7 @@ class SoundOutput:
             ) from error
 
     def _samples(self) -> Generator[Any, int, None]:
-        """Samples for a device that sends how many it needs, forever."""
+        """Generator that yields as many samples as the device sends it as a request, endlessly."""
         stream = StreamClock()
         count = yield b""
         while True:

@@ -19,35 +19,37 @@ _READERS: dict[str, Callable[[bytes], tuple[Points, Triangles]]] = {
     ".stl": read_stl,
     ".ply": read_ply,
 }
-SUFFIXES = tuple(_READERS)
-LARGEST_FILE = 200_000_000
-"""Bytes."""
-Y_UP = (".obj",)
-"""Formats whose programs mostly write Y up."""
-UNIT_BY_SIDE = ((12.0, 1.0, "metres"), (1500.0, 0.01, "centimetres"), (np.inf, 0.001, "millimetres"))
-"""Longest side up to which a number is taken for metres, centimetres, millimetres."""
+MESH_SUFFIXES = tuple(_READERS)
+LARGEST_MESH_BYTES = 200_000_000
+"""Maximum size of a mesh file in bytes."""
+Y_UP_SUFFIXES = (".obj",)
+"""Suffixes of formats whose programs mostly write Y up."""
+UNITS_BY_LONGEST_SIDE = ((12.0, 1.0, "metres"), (1500.0, 0.01, "centimetres"), (np.inf, 0.001, "millimetres"))
+"""Longest side of a mesh up to which its numbers are taken for metres, centimetres and millimetres; with the unit in
+metres.
+"""
 _TO_Z_UP = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 
 
 @dataclass(frozen=True)
 class MeshFile:
-    """Mesh, and the guesses about it in words."""
+    """Mesh of a file, and the guesses about it in words."""
 
     mesh: TriangleMesh
     guesses: str
 
 
 def read_mesh(path: Path) -> MeshFile:
-    """The triangles of a file. Unit and up axis are guessed by size and format; raises StudioError naming the file."""
+    """Mesh in a file; unit and up axis are guessed by size and format. Raises StudioError, which names the file."""
     suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise StudioError(f"{path}: a mesh is read from {', '.join(SUFFIXES)}, not from '{suffix}'.")
+    if suffix not in MESH_SUFFIXES:
+        raise StudioError(f"{path}: a mesh is read from {', '.join(MESH_SUFFIXES)}, not from '{suffix}'.")
     points, triangles = _triangles_of(path)
     if not np.isfinite(points).all():
         raise StudioError(f"{path} is not readable as a mesh: a vertex is not finite. Export the mesh again.")
     side = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
-    factor, unit = next((factor, unit) for most, factor, unit in UNIT_BY_SIDE if not side > most)
-    up = "Y" if suffix in Y_UP else "Z"
+    factor, unit = next((factor, unit) for most, factor, unit in UNITS_BY_LONGEST_SIDE if not side > most)
+    up = "Y" if suffix in Y_UP_SUFFIXES else "Z"
     try:
         mesh = TriangleMesh(factor * (points @ _TO_Z_UP.T if up == "Y" else points), triangles)
     except ValueError as error:
@@ -57,7 +59,7 @@ def read_mesh(path: Path) -> MeshFile:
 
 
 def read_mesh_beside(name: str, beside: Path, where: str) -> MeshFile:
-    """``read_mesh`` of a file that another one names, in its folder; errors begin with ``where``."""
+    """Mesh in a file that another file names, in the folder of that file; errors begin with ``where``."""
     path = path_beside(name, beside, where)
     try:
         return read_mesh(path)
@@ -66,7 +68,7 @@ def read_mesh_beside(name: str, beside: Path, where: str) -> MeshFile:
 
 
 def _triangles_of(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    content = read_bytes(path, LARGEST_FILE)
+    content = read_bytes(path, LARGEST_MESH_BYTES)
     try:
         points, triangles = _READERS[path.suffix.lower()](content)
     except MeshError as error:

@@ -26,7 +26,7 @@ def read_obj(content: bytes) -> tuple[Points, Triangles]:
 
 
 def _index(word: bytes, count: int) -> int:
-    """From 0; a negative number counts from the last of the ``count`` points so far."""
+    """Index of a point, from 0; a negative number in the file counts from the last of the ``count`` points so far."""
     number = checked_index(int(word.partition(b"/")[0]))
     index = number - 1 if number > 0 else count + number
     if number == 0 or index < 0:

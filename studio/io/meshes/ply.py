@@ -36,7 +36,9 @@ _LISTS = ("vertex_indices", "vertex_index")
 
 @dataclass
 class Element:
-    """``count`` rows of ``properties``: a name and a type each, of a list those of its length and of its items."""
+    """Declaration of ``count`` rows of ``properties``, each a name and its type; a list has the types of its length and
+    items.
+    """
 
     name: str
     count: int
@@ -117,7 +119,7 @@ def _add_faces(element: Element, body: "_TextNumbers | _BinaryNumbers", corners:
 
 
 class _TextNumbers:
-    """Numbers one after the other."""
+    """Reader of numbers in text form."""
 
     def __init__(self, content: bytes) -> None:
         try:
@@ -128,16 +130,16 @@ class _TextNumbers:
 
     @property
     def most_rows(self) -> int:
-        """A row has one number at least."""
+        """Maximum number of rows that can remain: a row has at least one number."""
         return len(self._numbers) - self._at
 
     def table(self, element: Element) -> NDArray[np.float64]:
-        """(count, properties) of an element without lists."""
+        """Values (count, properties) of an element without lists."""
         taken = self._take(element.count * len(element.properties))
         return np.array(taken).reshape(element.count, len(element.properties))
 
     def row(self, element: Element) -> list[Sequence[float]]:
-        """The values of each property of the next row."""
+        """Values of each property of the next row."""
         return [
             self._take(1 if len(types) == 1 else checked_index(self._take(1)[0])) for _, types in element.properties
         ]
@@ -150,25 +152,25 @@ class _TextNumbers:
 
 
 class _BinaryNumbers:
-    """Binary numbers one after the other."""
+    """Reader of numbers in binary form."""
 
     def __init__(self, content: bytes, start: int, order: str) -> None:
         self._content, self._at, self._order = content, start, order
 
     @property
     def most_rows(self) -> int:
-        """A row has one byte at least."""
+        """Maximum number of rows that can remain: a row has at least one byte."""
         return len(self._content) - self._at
 
     def table(self, element: Element) -> NDArray[np.float64]:
-        """(count, properties) of an element without lists."""
+        """Values (count, properties) of an element without lists."""
         kind = np.dtype([(str(place), self._order + types[0]) for place, (_, types) in enumerate(element.properties)])
         begin = self._move(element.count * kind.itemsize)
         rows = np.frombuffer(self._content, kind, element.count, begin)
         return np.stack([rows[name].astype(np.float64) for name in kind.names or ()], axis=1)
 
     def row(self, element: Element) -> list[Sequence[float]]:
-        """The values of each property of the next row."""
+        """Values of each property of the next row."""
         values: list[Sequence[float]] = []
         for _, types in element.properties:
             count = 1 if len(types) == 1 else checked_index(self._take(1, types[0])[0])

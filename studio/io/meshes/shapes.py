@@ -1,4 +1,4 @@
-"""Meshes as readers need them: normals where a file has none, polygons as triangles."""
+"""Mesh functions for readers: normals for files that have none."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,13 +8,13 @@ IntArray = NDArray[np.int64]
 
 
 def face_normals(vertices: FloatArray, triangles: IntArray) -> FloatArray:
-    """(T, 3) normals of the faces, as long as twice the face's area."""
+    """Normals (T, 3) of the faces, with twice the area as length."""
     corners = vertices[triangles]
     return np.asarray(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
 
 
 def smooth_normals(vertices: FloatArray, triangles: IntArray) -> FloatArray:
-    """(V, 3) unit normals: the mean of the faces around by area; vertices at one place share theirs."""
+    """Unit normals (V, 3): the mean of the surrounding faces by area; vertices at one position share theirs."""
     _, place = np.unique(np.round(vertices, 9), axis=0, return_inverse=True)
     normals = np.zeros_like(vertices)
     faces = face_normals(vertices, triangles)
@@ -24,6 +24,6 @@ def smooth_normals(vertices: FloatArray, triangles: IntArray) -> FloatArray:
 
 
 def unit(vectors: FloatArray) -> FloatArray:
-    """(N, 3) of length 1; one without length points up."""
+    """Vectors (N, 3) scaled to unit length; zero vectors become up vectors."""
     lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.where(lengths > 1e-12, vectors / np.maximum(lengths, 1e-12), [0.0, 0.0, 1.0])

@@ -13,10 +13,11 @@ Points = NDArray[np.float64]
 Triangles = NDArray[np.int64]
 
 MAX_INDEX = 1 << 53
+"""Greatest index that a float holds exactly."""
 
 
 class MeshError(ValueError):
-    """Fault of a file, in words that follow its name."""
+    """Error in a mesh file, in words that follow the name of the file."""
 
 
 class Corners:
@@ -34,12 +35,12 @@ class Corners:
 
     @property
     def triangles(self) -> Triangles:
-        """(T, 3)."""
+        """Triangles (T, 3)."""
         return np.array(self._corners, dtype=np.int64).reshape(-1, 3)
 
 
 def checked_index(value: float) -> int:
-    """Integer that may be an index."""
+    """Integer of ``value``, if it may be an index."""
     if not (abs(value) < MAX_INDEX and value == int(value)):
         raise MeshError(f"'{str(value)[:20]}' is not the number of a vertex")
     return int(value)

@@ -1,1 +1,1 @@
-"""The studio's own JSON: a project and its entities, alone or in their archive."""
+"""Project files: a project and its entities as JSON, alone or in an archive."""

@@ -1,4 +1,5 @@
-"""ZIP of stored members that is always whole: written beside, verified, renamed; any damage is detected.
+"""ZIP archive of stored members that is always whole: written beside the old one, verified and renamed; damage is
+detected.
 
 Members carry their CRC-32; the archive's comment is a seal, the SHA-256 of all bytes before it.
 """
@@ -14,10 +15,10 @@ from pathlib import Path
 
 from studio.core.errors import StudioError
 from studio.io.atomic_write import FolderNotWritable, atomic_replacement, remove_leftovers
-from studio.io.referenced_files import SNIFFED, refuse_devices, refuse_stand_in
+from studio.io.referenced_files import SNIFFED_BYTES, refuse_devices, refuse_stand_in
 from studio.io.zipped import UnpacksTooFarError, unzipped_members
 
-SEAL = b"morpho-studio sha256:"
+SEAL_PREFIX = b"morpho-studio sha256:"
 DIGEST_SIZE = 64
 _SIGNATURE = b"PK\x03\x04"
 _LOCAL_HEADER = struct.Struct("<4s5H3I2H")
@@ -32,7 +33,7 @@ Stamp = tuple[int, int, int]
 
 @dataclass
 class Archive:
-    """Members that could be read, names of damaged ones, and a flag for an unbroken seal."""
+    """Content of an archive: members that could be read, names of damaged ones, and whether the seal is unbroken."""
 
     members: dict[str, bytes] = field(default_factory=dict)
     damaged: list[str] = field(default_factory=list)
@@ -40,7 +41,7 @@ class Archive:
 
 
 def stamp(path: Path) -> Stamp | None:
-    """Stamp that changes with every write of the file: node, size and time; None without a file."""
+    """Stamp of a file that changes with every write: node, size and time; None without a file."""
     try:
         status = path.stat()
     except FileNotFoundError:
@@ -49,7 +50,7 @@ def stamp(path: Path) -> Stamp | None:
 
 
 def read_archive(path: Path) -> Archive:
-    """All intact members. Raises StudioError when the file cannot be read or is no archive at all."""
+    """Archive with all intact members. Raises StudioError if the file cannot be read or is no archive."""
     refuse_devices(path)
     try:
         content = path.read_bytes()
@@ -62,13 +63,13 @@ def read_archive(path: Path) -> Archive:
     if not archive.sealed and not archive.damaged:
         archive.members |= _repacked(path, content)
     if not archive.members and not archive.damaged:
-        refuse_stand_in(path.name, content[:SNIFFED])
+        refuse_stand_in(path.name, content[:SNIFFED_BYTES])
         raise StudioError(f"'{path.name}' is not a Morpho Studio project: it is not a ZIP archive.")
     return archive
 
 
 def read_member(path: Path, name: str, most_bytes: int) -> bytes | None:
-    """Member of an archive, read without the others; None if it is missing, damaged or larger than ``most_bytes``."""
+    """Content of a member, read without the others; None if it is missing, damaged or larger than ``most_bytes``."""
     try:
         refuse_devices(path)
         with zipfile.ZipFile(path) as archive:
@@ -82,9 +83,10 @@ def write_archive(
     members: Mapping[str, bytes],
     report: Callable[[float, str], None] = lambda _share, _text: None,
 ) -> Stamp:
-    """Replace ``path`` by an archive of ``members``, or leave it untouched.
+    """Replace ``path`` by an archive of ``members``, or leave it unchanged; return its stamp.
 
-    ``report`` is called with the finished fraction and may raise to cancel. Raises FolderNotWritable, StudioError.
+    ``report`` is called with the finished fraction and may raise an exception to cancel. Raises FolderNotWritable or
+    StudioError.
     """
     path = path.resolve()
     remove_leftovers(path)
@@ -109,7 +111,7 @@ def _write_members(part: Path, members: Mapping[str, bytes], report: Callable[[f
             report(done / total, f"Writing {name.split('/')[0]}")
             archive.writestr(zipfile.ZipInfo(name, _EPOCH), content)
             done += len(content)
-        archive.comment = SEAL + b"0" * DIGEST_SIZE
+        archive.comment = SEAL_PREFIX + b"0" * DIGEST_SIZE
 
 
 def _seal(part: Path) -> None:
@@ -132,7 +134,7 @@ def _verify(part: Path, members: Mapping[str, bytes]) -> None:
 
 def _is_sealed(content: bytes) -> bool:
     digest = content[-DIGEST_SIZE:]
-    if content[-DIGEST_SIZE - len(SEAL) : -DIGEST_SIZE] != SEAL:
+    if content[-DIGEST_SIZE - len(SEAL_PREFIX) : -DIGEST_SIZE] != SEAL_PREFIX:
         return False
     return hashlib.sha256(memoryview(content)[:-DIGEST_SIZE]).hexdigest().encode() == digest
 

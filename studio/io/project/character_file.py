@@ -1,4 +1,4 @@
-"""Characters on disk: a JSON file with name, colour and build, beside it the mesh as .npz."""
+"""Character files: a JSON file with name, colour and build, and beside it the mesh as .npz."""
 
 import hashlib
 import json
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from studio.core.body.growth import KeyedProportions
 from studio.core.body.morphology import Morphology, Proportions
 from studio.core.errors import StudioError
-from studio.core.mannequin.tailoring import tailored
+from studio.core.mannequin.tailoring import tailored_character
 from studio.core.mesh.appearance import Appearance, Material
 from studio.core.mesh.character import Character
 from studio.core.mesh.hand_shapes import HandShapes
@@ -44,18 +44,18 @@ _LOOK = ("triangle_materials", "coordinates")
 
 
 def is_character(head: bytes) -> bool:
-    """True if a file that begins with ``head`` is a character of ours."""
+    """True if a file that begins with ``head`` is a character file of the studio."""
     return CHARACTER_FORMAT.encode() in head
 
 
 def load_character(path: Path, _options: ImportOptions, progress: Progress) -> ReadCharacter:
-    """``read_character`` for the registry: our own file needs no guesses."""
+    """Character for the registry of formats; a file of the studio needs no guesses."""
     progress(0.0, f"Reading {path.name}")
     return ReadCharacter(read_character(path))
 
 
 def save_character(path: Path, character: Character, progress: Progress) -> None:
-    """``write_character`` for the registry."""
+    """Write a character for the registry of formats."""
     progress(0.0, f"Writing {path.name}")
     write_character(character, path)
 
@@ -83,7 +83,7 @@ def write_character(character: Character, path: Path) -> None:
 
 
 def read_character(path: Path) -> Character:
-    """The character of a .json file. Raises StudioError naming the file and the member that is wrong."""
+    """Character in a .json file. Raises StudioError, which names the file and the member that is wrong."""
     record = _read_record(path)
     mesh_path = path_beside(_member(record, "mesh", str, path), path, f"{path}, mesh")
     content = read_bytes(mesh_path, _LIMIT)
@@ -129,19 +129,19 @@ _NO_ARRAYS = MemberCodec(_no_array, _no_array)
 
 @lru_cache(maxsize=1)
 def bundled_characters() -> Mapping[str, Character]:
-    """The characters that come with the studio, by file name without suffix, in the order of their index."""
+    """Bundled characters by file name without suffix, in the order of their index."""
     folder = resources_folder() / "characters"
     order = json.loads((folder / "index.json").read_text(encoding="utf-8"))
     return {name: read_character(folder / f"{name}.json") for name in order}
 
 
 def actor_character(name: str, body: Morphology, colour: str = "#7FB4E6") -> Character:
-    """A measured actor as a character of the same measures, in the skin of a bundled body of no marked build."""
-    return tailored(name, colour, body, [bundled_characters()[pattern] for pattern in ("tall_man", "child")])
+    """Character with the measures of an actor, in the skin of an average bundled body."""
+    return tailored_character(name, colour, body, [bundled_characters()[pattern] for pattern in ("tall_man", "child")])
 
 
 def mesh_bytes(mesh: SkinnedMesh) -> bytes:
-    """A skinned mesh as the bytes of an .npz file; the same mesh always gives the same bytes."""
+    """Bytes of an .npz file with a skinned mesh; the same mesh always gives the same bytes."""
     arrays = {name: getattr(mesh, name) for name in _MEMBERS}
     if mesh.stance is not None:
         arrays["stance"] = mesh.stance
@@ -168,9 +168,9 @@ def mesh_bytes(mesh: SkinnedMesh) -> bytes:
 
 
 def read_mesh(content: bytes, source: str, materials: Sequence[Any] = ()) -> SkinnedMesh:
-    """Inverse of ``mesh_bytes``; ``materials`` are the records that the JSON file has of them.
+    """Skinned mesh in the bytes of an .npz file (see ``mesh_bytes``); ``materials`` are their records in the JSON file.
 
-    Raises StudioError that names ``source`` and the damaged member.
+    Raises StudioError, which names ``source`` and the damaged member.
     """
     try:
         file = arrays_of(content, _LIMIT)
@@ -193,7 +193,7 @@ def _rig(file: Mapping[str, Any]) -> Rig | None:
 
 
 def _pictures(look: Appearance) -> list[NDArray[np.uint8]]:
-    """The pictures of a look, each once."""
+    """Pictures of an appearance, each once."""
     return list({id(picture): picture for each in look.materials for picture in each.pictures}.values())
 
 

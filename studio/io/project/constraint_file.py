@@ -54,7 +54,7 @@ _USUAL: Mapping[str, Json] = {"priority": 0, "chain": {}}
 
 @dataclass(frozen=True)
 class ConstraintFile:
-    """Content of such a file; ``contacts`` is None if it has none, ``props`` are by id."""
+    """Content of a constraint file; ``contacts`` is None if it has none, ``props`` are by id."""
 
     constraints: tuple[Constraint, ...]
     contacts: tuple[ContactInterval, ...] | None
@@ -62,9 +62,9 @@ class ConstraintFile:
 
 
 def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
-    """The file's constraints, in its order, and contacts, as those of one motion.
+    """Constraints of a file, in its order, and its contacts, for the motion ``motion_id``.
 
-    Raises StudioError naming file and member.
+    Raises StudioError, which names file and member.
     """
     record = read_json(path)  # NaN passes here, and each member refuses it under its name
     if not isinstance(record, dict) or not isinstance(record.get("constraints", []), list):
@@ -90,7 +90,7 @@ def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
 
 
 def constraint_record(constraint: Constraint) -> Json:
-    """Record of a constraint for such a file: the inverse of ``constraint_of``."""
+    """JSON record of a constraint for a constraint file, which ``constraint_of`` reads."""
     members: Members = {}
     record = entity_record("constraints", "", constraint, members)
     if not constraint.scope.is_narrow:
@@ -116,7 +116,7 @@ def _with_mesh(record: Json, path: Path, where: str) -> Json:
 
 
 def constraint_of(record: Json, motion_id: str, where: str) -> Constraint:
-    """The constraint that ``record`` describes; raises StudioError beginning with ``where``."""
+    """Constraint in a JSON record. Raises StudioError, which begins with ``where``."""
     if not isinstance(record, dict):
         raise StudioError(f"{where}: expected a record, not {str(record)[:40]!r}.")
     name = record.get("name")
@@ -148,7 +148,7 @@ def _paths(unknown: Mapping[str, Any]) -> list[str]:
 
 
 def too_large(record: Json) -> str:
-    """Member and number of the first one that no body and no clip can have; "" when there is none."""
+    """Member and number of the first value that no body and no clip can have; empty if there is none."""
     items = record.items() if isinstance(record, dict) else enumerate(record) if isinstance(record, list) else ()
     for key, item in items:
         if isinstance(item, int | float):
@@ -160,7 +160,7 @@ def too_large(record: Json) -> str:
 
 
 def contacts_of(record: Json, motion_id: str, where: str) -> tuple[ContactInterval, ...]:
-    """The contacts that ``record`` lists by foot; raises StudioError beginning with ``where``."""
+    """Contacts that ``record`` lists by contact point. Raises StudioError, which begins with ``where``."""
     if not isinstance(record, dict):
         raise StudioError(f"{where}, contacts: expected a record of lists by foot.")
     contacts = []

@@ -1,4 +1,4 @@
-"""Entities and whole projects as canonical JSON: sorted keys, one entity a line, arrays by their hash."""
+"""Entities and whole projects as canonical JSON: sorted keys, one entity per line, arrays by their hash."""
 
 import hashlib
 import io
@@ -23,7 +23,7 @@ from studio.core.errors import StudioError
 from studio.core.grounds import GROUND_KINDS
 from studio.core.grounds.ground import Ground
 from studio.core.mesh.character import Character
-from studio.core.stage.project import CLASSES, COLLECTIONS, Entity, Project
+from studio.core.stage.project import COLLECTION_CLASSES, COLLECTIONS, Entity, Project
 from studio.core.stage.prop import Carried, InHand, Prop
 from studio.io.json_text import json_of
 from studio.io.project.value_json import Array, Json, MemberCodec, UnknownKind, from_json, to_json, unknown_fields
@@ -32,8 +32,8 @@ PROJECT_SCHEMA = 2
 ENTITY_SCHEMAS = {
     **dict.fromkeys(COLLECTIONS, 1), "characters": 3, "performers": 2, "constraints": 7, "contacts": 3, "props": 6,
 }  # fmt: skip
-"""A higher number tells an older version that it would misread what it knows by that name."""
-MEMBER_NAME = re.compile(r"(captures|characters)/[0-9a-f]{64}\.npy")
+"""Current schema of each collection; an older version refuses a higher number, whose known fields it would misread."""
+MEMBER_NAME_PATTERN = re.compile(r"(captures|characters)/[0-9a-f]{64}\.npy")
 _HEADER = ("id", "kind", "schema")
 
 Members = dict[str, Array]
@@ -42,12 +42,12 @@ _names: dict[int, tuple[weakref.ref[Array], str]] = {}
 
 
 def npy_bytes(array: Array) -> bytes:
-    """Array as an ``.npy`` file; equal numbers always give equal bytes."""
+    """Bytes of an ``.npy`` file with an array; equal numbers always give equal bytes."""
     return b"".join(npy_parts(array))  # lets go of Python's lock
 
 
 def npy_parts(array: Array) -> tuple[bytes, memoryview]:
-    """Header and content of an ``.npy`` file."""
+    """Header and content of an ``.npy`` file with an array."""
     little = np.ascontiguousarray(array, dtype=array.dtype.newbyteorder("<")).reshape(array.shape)
     stream = io.BytesIO()
     np.lib.format.write_array_header_1_0(stream, np.lib.format.header_data_from_array_1_0(little))
@@ -55,7 +55,7 @@ def npy_parts(array: Array) -> tuple[bytes, memoryview]:
 
 
 def member_name(array: Array, folder: str) -> str:
-    """``folder/<sha256>.npy``; cached for read-only arrays."""
+    """Name ``folder/<sha256>.npy`` of an array's member; cached for read-only arrays."""
     known = _names.get(id(array))
     if known is None or known[0]() is not array:
         digest = sha256_of(*npy_parts(array))
@@ -76,7 +76,7 @@ def sha256_of(*parts: bytes | memoryview) -> str:
 
 
 def entity_record(collection: str, entity_id: str, entity: Entity, members: Members) -> dict[str, Json]:
-    """Entity as JSON; its arrays are added to ``members`` under their names."""
+    """JSON record of an entity; its arrays are added to ``members`` under their names."""
     folder = "captures" if collection == "captures" else "characters"
 
     def store(array: Array) -> str:
@@ -89,8 +89,9 @@ def entity_record(collection: str, entity_id: str, entity: Entity, members: Memb
 
 
 def _schema_of(collection: str, entity: Entity) -> int:
-    """Lowest schema that can hold an entity, so that a contact with the ground, a constant body or keys without
-    tangents are written as in earlier versions.
+    """Lowest schema that can hold an entity.
+
+    A contact with the ground, a constant body or keys without tangents are so written as in earlier versions.
     """
     if isinstance(entity, Prop) and any(isinstance(hold, Carried) and hold.steady for hold in entity.holds):
         return ENTITY_SCHEMAS[collection]
@@ -129,7 +130,7 @@ def _has_curves(entity: Entity) -> bool:
 
 
 def entity_of(collection: str, record: Json, load: Callable[[str], Array]) -> Entity:
-    """Entity of a record. Raises ValueError naming the wrong field."""
+    """Entity in a record. Raises ValueError, which names the wrong field."""
     try:
         entity: Entity = from_json(record, _class_of(collection, record), MemberCodec(_no_member, load))
     except (TypeError, ArithmeticError, LookupError) as error:
@@ -143,13 +144,13 @@ def is_known(collection: str, record: Json) -> bool:
     return schema <= ENTITY_SCHEMAS[collection] and _class_of(collection, record) is not None
 
 
-def line(record: Json) -> str:
-    """One record on one line: sorted keys, no space, no number that is not finite."""
+def record_line(record: Json) -> str:
+    """JSON of one record on one line: sorted keys, no spaces, no number that is not finite."""
     return json.dumps(record, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
 
 
-def parsed(content: bytes, name: str) -> Json:
-    """JSON of a member. Raises StudioError naming the member."""
+def parse_member(content: bytes, name: str) -> Json:
+    """JSON value of a member. Raises StudioError, which names the member."""
     try:
         return json_of(content, parse_constant=_refuse_constant, parse_float=_finite)
     except ValueError as error:
@@ -157,7 +158,7 @@ def parsed(content: bytes, name: str) -> Json:
 
 
 def project_json(project: Project, members: Members) -> bytes:
-    """The whole project, canonical: equal projects give equal bytes."""
+    """Canonical JSON of a project: equal projects give equal bytes."""
     carried = project.carried
     lists = {}
     for collection in COLLECTIONS:
@@ -170,14 +171,18 @@ def project_json(project: Project, members: Members) -> bytes:
         ]
         lists[collection] = [*records, *carried.get("entities", {}).get(collection, ())]
     root: dict[str, Any] = {**carried.get("root", {}), "schema": PROJECT_SCHEMA}
-    blocks = {name: "[\n" + ",\n".join(map(line, items)) + "\n]" if items else "[]" for name, items in lists.items()}
-    blocks |= {name: line(item) for name, item in root.items()}
-    return ("{\n" + ",\n".join(f"{line(name)}:{blocks[name]}" for name in sorted(blocks)) + "\n}\n").encode()
+    blocks = {
+        name: "[\n" + ",\n".join(map(record_line, items)) + "\n]" if items else "[]" for name, items in lists.items()
+    }
+    blocks |= {name: record_line(item) for name, item in root.items()}
+    return ("{\n" + ",\n".join(f"{record_line(name)}:{blocks[name]}" for name in sorted(blocks)) + "\n}\n").encode()
 
 
 @dataclass
 class ReadProject:
-    """Project from JSON, sentences about unreadable parts, and parts that are preserved without being understood."""
+    """Project read from JSON, with sentences about lost parts (``losses``) and about parts kept without being
+    understood.
+    """
 
     project: Project
     losses: list[str] = field(default_factory=list)
@@ -185,9 +190,9 @@ class ReadProject:
 
 
 def project_of(record: Json, load: Callable[[str], Array]) -> ReadProject:
-    """Project of a record; unreadable entities are left out and listed.
+    """Project in a record; unreadable entities are left out and listed.
 
-    ``load`` gives the array of a member and raises ValueError if it is missing or damaged.
+    ``load`` returns the array of a member and raises ValueError if it is missing or damaged.
     """
     if not isinstance(record, dict):
         raise StudioError("'project.json' in the project file is not a record.")
@@ -226,8 +231,8 @@ def project_of(record: Json, load: Callable[[str], Array]) -> ReadProject:
 
 
 def named_members(record: Json) -> set[str]:
-    """Every member name in a piece of JSON."""
-    return {match.group() for match in MEMBER_NAME.finditer(json.dumps(record))}
+    """Names of all members that a JSON value refers to."""
+    return {match.group() for match in MEMBER_NAME_PATTERN.finditer(json.dumps(record))}
 
 
 def _records(record: dict[str, Json], collection: str, losses: list[str]) -> list[dict[str, Json]]:
@@ -246,7 +251,7 @@ def _records(record: dict[str, Json], collection: str, losses: list[str]) -> lis
 def _part_with_dangling(
     entities: dict[str, dict[str, Entity]], foreign: dict[str, list[Json]], record: Json, losses: list[str]
 ) -> None:
-    """Move entities that refer to unknown ones to these; those that refer to lost ones are lost."""
+    """Move entities that refer to unknown entities to ``foreign``; those that refer to lost ones are lost."""
     carried = {(name, item["id"]) for name, items in foreign.items() for item in items}
     while True:
         project = Project(**entities)  # type: ignore[arg-type]
@@ -274,11 +279,13 @@ def _class_of(collection: str, record: Json) -> Any:
         return known.value if known else None
     if collection == "grounds":
         return GROUND_KINDS.get(str(record.get("kind", Ground.kind)))
-    return CLASSES[collection]
+    return COLLECTION_CLASSES[collection]
 
 
 def _with_unknown(record: dict[str, Json], unknown: dict[str, Json]) -> dict[str, Json]:
-    """Record with the unknown fields of the file merged back, so that saving keeps them; list items match by place."""
+    """Record with the unknown fields of the file merged back, so that saving keeps them; list items are matched by
+    position.
+    """
     merged = dict(record)
     for key, item in unknown.items():
         inner = merged.get(key)

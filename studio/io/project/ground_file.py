@@ -1,6 +1,6 @@
-"""A ground in a JSON file written by hand or by a program: what ``adapt --ground`` reads.
+"""Ground in a JSON file written by hand or by a program, which ``adapt --ground`` reads.
 
-It is the record that a project holds for it: ``{"kind": "slope", "angle": 0.1}``, ``{"kind": "steps", "rise": 0.15}``.
+It is the record of the ground in a project: ``{"kind": "slope", "angle": 0.1}``, ``{"kind": "steps", "rise": 0.15}``.
 Heights of a ``height_map`` are lists of metres; ``mesh`` of a ground of triangles names a file beside this one.
 """
 
@@ -19,7 +19,7 @@ _HEADER = {"kind", "id", "schema"}
 
 
 def read_ground(path: Path) -> Ground:
-    """The ground that the file describes. Raises StudioError naming file and member."""
+    """Ground that the file describes. Raises StudioError, which names file and member."""
     record = read_json(path)
     if not isinstance(record, dict):
         raise StudioError(f"{path}: expected a record of a ground, with its 'kind'.")

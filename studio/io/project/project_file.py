@@ -18,17 +18,17 @@ from studio.io.atomic_write import FolderNotWritable
 from studio.io.npy import array_of
 from studio.io.project.archive import Archive, Stamp, read_archive, read_member, stamp, write_archive
 from studio.io.project.entity_json import (
-    MEMBER_NAME,
+    MEMBER_NAME_PATTERN,
     PROJECT_SCHEMA,
     Members,
-    line,
     named_members,
     npy_bytes,
-    parsed,
+    parse_member,
     project_json,
     project_of,
+    record_line,
 )
-from studio.io.project.upgrades import schema_of, upgraded
+from studio.io.project.upgrades import schema_of, upgraded_record
 from studio.io.project.value_json import Array, Json
 
 __all__ = [
@@ -43,19 +43,19 @@ __all__ = [
 ]
 
 MANIFEST_FILE, PROJECT_FILE, THUMBNAIL_FILE = "manifest.json", "project.json", "thumbnail.png"
-HISTORY = re.compile(r"history/(\d{3,9})\.json")
+HISTORY_MEMBER_PATTERN = re.compile(r"history/(\d{3,9})\.json")
 KEPT_VERSIONS = 10
 _MOST_THUMBNAIL_BYTES = 4_000_000
 _PLAIN_ID = re.compile("[0-9A-Za-z]{1,64}")
 
 
 class ChangedOnDisk(StudioError):  # noqa: N818 - it names what is the matter
-    """File that another program has written since it was opened here."""
+    """Error: another program has written the file since it was opened."""
 
 
 @dataclass(frozen=True)
 class OpenedProject:
-    """Project as read; with ``problems`` it is incomplete, and the file must not be replaced."""
+    """Project as it was read; with ``problems`` it is incomplete, and the file must not be replaced."""
 
     project: Project
     path: Path
@@ -66,11 +66,11 @@ class OpenedProject:
     versions: tuple[str, ...] = ()
     """Earlier versions in the file, newest first: member names for ``read_project(path, version)``."""
     remarks: tuple[str, ...] = ()
-    """Sentences about what is whole and as it was saved, but does not go together."""
+    """Sentences about parts that are intact but inconsistent with each other."""
 
 
 def new_document_id() -> str:
-    """Id of a document, kept by its file under any name."""
+    """New id of a document, which its file keeps under any name."""
     return uuid.uuid4().hex
 
 
@@ -94,10 +94,10 @@ def write_project(
     expected: Stamp | None = None,
     report: Callable[[float, str], None] = lambda _share, _text: None,
 ) -> Stamp:
-    """Save ``project``; either the whole new file is there afterwards or the old one, untouched.
+    """Save ``project``, and return the stamp of the file; the file is either replaced as a whole or left unchanged.
 
-    ``expected`` is the stamp of the file as it was opened; ChangedOnDisk is raised when it has another now.
-    Raises FolderNotWritable where another folder is needed, StudioError for anything else in the way.
+    ``expected`` is the stamp of the file as it was opened; ChangedOnDisk is raised if it has changed. Raises
+    FolderNotWritable if another folder is needed, and StudioError for any other obstacle.
     """
     if expected is not None and stamp(path) not in (expected, None):
         raise ChangedOnDisk(
@@ -116,18 +116,18 @@ def write_project(
 
 
 def read_project(path: Path, version: str = PROJECT_FILE) -> OpenedProject:
-    """The project of a file, or an earlier ``version`` of it, as far as its hashes are right.
+    """Project in a file, or in an earlier ``version`` of it, as far as its hashes are right.
 
-    What is damaged is left out and listed. Raises StudioError when nothing can be opened.
+    Damaged parts are left out and listed. Raises StudioError if nothing can be opened.
     """
     archive = read_archive(path)
     problems = [f"'{name}' in '{path.name}' is damaged." for name in dict.fromkeys(archive.damaged)]
     manifest, intact = _checked(archive, path, problems)
-    versions = tuple(sorted((name for name in intact if HISTORY.fullmatch(name)), reverse=True))
+    versions = tuple(sorted((name for name in intact if HISTORY_MEMBER_PATTERN.fullmatch(name)), reverse=True))
     chosen = _newest_readable(path, (version, *versions) if version == PROJECT_FILE else (version,), intact, problems)
-    record = parsed(intact[chosen], chosen)
+    record = parse_member(intact[chosen], chosen)
     schema = schema_of(record, chosen)
-    read = project_of(upgraded(record, chosen), lambda name: _array(intact, name))
+    read = project_of(upgraded_record(record, chosen), lambda name: _array(intact, name))
     problems += read.losses
     read_only = schema > PROJECT_SCHEMA
     if read_only:
@@ -150,7 +150,7 @@ def read_project(path: Path, version: str = PROJECT_FILE) -> OpenedProject:
 
 
 def read_thumbnail(path: Path) -> bytes | None:
-    """PNG of the stage as it was when the project was saved; None without one that can be read."""
+    """PNG of the stage when the project was saved; None if there is none that can be read."""
     return read_member(path, THUMBNAIL_FILE, _MOST_THUMBNAIL_BYTES)
 
 
@@ -162,8 +162,8 @@ def _document_id(manifest: Mapping[str, Json]) -> str | None:
 
 def _manifest(document_id: str, members: Mapping[str, bytes]) -> bytes:
     sums = {name: {"sha256": _sha(content), "size": len(content)} for name, content in members.items()}
-    lines = ",\n".join(f"{line(name)}:{line(item)}" for name, item in sorted(sums.items()))
-    return f'{{"document":{line(document_id)},"schema":{PROJECT_SCHEMA},"members":{{\n{lines}\n}}}}\n'.encode()
+    lines = ",\n".join(f"{record_line(name)}:{record_line(item)}" for name, item in sorted(sums.items()))
+    return f'{{"document":{record_line(document_id)},"schema":{PROJECT_SCHEMA},"members":{{\n{lines}\n}}}}\n'.encode()
 
 
 def _earlier(path: Path, document_id: str, current: bytes) -> dict[str, bytes]:
@@ -177,7 +177,7 @@ def _earlier(path: Path, document_id: str, current: bytes) -> dict[str, bytes]:
     manifest, intact = _checked(archive, path, [])
     if manifest.get("document") != document_id:
         return {}
-    numbers = {int(found[1]): name for name in intact if (found := HISTORY.fullmatch(name))}
+    numbers = {int(found[1]): name for name in intact if (found := HISTORY_MEMBER_PATTERN.fullmatch(name))}
     kept = {number: intact[name] for number, name in numbers.items()}
     if PROJECT_FILE in intact and intact[PROJECT_FILE] != current:
         kept[max(kept, default=0) + 1] = intact[PROJECT_FILE]
@@ -187,14 +187,14 @@ def _earlier(path: Path, document_id: str, current: bytes) -> dict[str, bytes]:
 
 
 def _named_in(content: bytes) -> set[str]:
-    return {match.group() for match in MEMBER_NAME.finditer(content.decode("utf-8", "replace"))}
+    return {match.group() for match in MEMBER_NAME_PATTERN.finditer(content.decode("utf-8", "replace"))}
 
 
 def _checked(archive: Archive, path: Path, problems: list[str]) -> tuple[dict[str, Json], dict[str, bytes]]:
     """Manifest ({} if lost) and the members with a valid hash; ``problems`` lists the others."""
     manifest: dict[str, Json] = {}
     try:
-        found = parsed(archive.members.get(MANIFEST_FILE, b""), MANIFEST_FILE)
+        found = parse_member(archive.members.get(MANIFEST_FILE, b""), MANIFEST_FILE)
         manifest = found if isinstance(found, dict) and isinstance(found.get("members"), dict) else {}
     except StudioError:
         problems.append(f"'{MANIFEST_FILE}' in '{path.name}' is missing or damaged.")
@@ -203,7 +203,7 @@ def _checked(archive: Archive, path: Path, problems: list[str]) -> tuple[dict[st
     for name, content in archive.members.items():
         listed = sums.get(name, {})
         digest = _sha(content)
-        addressed = not MEMBER_NAME.fullmatch(name) or name.split("/")[1].startswith(digest)
+        addressed = not MEMBER_NAME_PATTERN.fullmatch(name) or name.split("/")[1].startswith(digest)
         if addressed and isinstance(listed, dict) and listed.get("sha256", digest) == digest:
             intact[name] = content
         else:
@@ -219,7 +219,7 @@ def _checked(archive: Archive, path: Path, problems: list[str]) -> tuple[dict[st
 def _newest_readable(path: Path, names: tuple[str, ...], intact: dict[str, bytes], problems: list[str]) -> str:
     for name in names:
         try:
-            schema_of(parsed(intact[name], name), name)
+            schema_of(parse_member(intact[name], name), name)
         except (KeyError, StudioError) as error:
             problems.append(f"'{name}' cannot be used." if isinstance(error, KeyError) else str(error))
         else:
@@ -234,7 +234,7 @@ def _newest_readable(path: Path, names: tuple[str, ...], intact: dict[str, bytes
 
 
 def _array(intact: dict[str, bytes], name: str) -> Array:
-    if not MEMBER_NAME.fullmatch(name):
+    if not MEMBER_NAME_PATTERN.fullmatch(name):
         raise ValueError(f"'{name}' is not the name of a member.")
     if name not in intact:
         raise ValueError(f"'{name}' is missing or damaged.")
@@ -248,11 +248,11 @@ def _with_foreign_members(project: Project, intact: dict[str, bytes], manifest: 
     """Project with the bytes of its unknown parts, and unknown members."""
     named = named_members(dict(project.carried))
     own = (MANIFEST_FILE, PROJECT_FILE, THUMBNAIL_FILE)
-    listed = {name for name in manifest.get("members", {}) if not MEMBER_NAME.fullmatch(name)}
+    listed = {name for name in manifest.get("members", {}) if not MEMBER_NAME_PATTERN.fullmatch(name)}
     foreign = {
         name: content
         for name, content in intact.items()
-        if name in named or (name in listed and not (name in own or HISTORY.fullmatch(name)))
+        if name in named or (name in listed and not (name in own or HISTORY_MEMBER_PATTERN.fullmatch(name)))
     }
     return replace(project, carried={**project.carried, "members": foreign}) if foreign else project
 

@@ -22,7 +22,7 @@ def _with_clips_that_have_ids(record: Json) -> Json:
 
 
 UPGRADES: Mapping[int, Callable[[Json], Json]] = {1: _with_clips_that_have_ids}
-"""By the schema a step starts from: a function from ``project.json`` of that schema to that of the next."""
+"""Functions that convert ``project.json`` from the schema that is their key to the next one."""
 
 
 def schema_of(record: Json, name: str) -> int:
@@ -33,13 +33,13 @@ def schema_of(record: Json, name: str) -> int:
     return schema
 
 
-def upgraded(
+def upgraded_record(
     record: Json,
     name: str,
     steps: Mapping[int, Callable[[Json], Json]] = UPGRADES,
     newest: int = PROJECT_SCHEMA,
 ) -> Json:
-    """``project.json`` upgraded to the newest schema; one of a later schema is unchanged."""
+    """Record of ``project.json``, upgraded to the newest schema; one of a later schema is unchanged."""
     for schema in range(schema_of(record, name), newest):
         record = {**steps[schema](record), "schema": schema + 1}
     return record

@@ -1,4 +1,4 @@
-"""Frozen dataclasses to plain JSON and back, by their type hints; large arrays become members."""
+"""Conversion of frozen dataclasses to plain JSON and back, by their type hints; large arrays become members."""
 
 import types
 from collections.abc import Callable, Mapping
@@ -14,17 +14,19 @@ from studio.core.errors import StudioError
 
 Json = Any
 Array = NDArray[Any]
-INLINE_NUMBERS = 64
-"""Arrays of up to so many numbers stand in the JSON itself."""
+MOST_INLINE_NUMBERS = 64
+"""Maximum number of elements of an array that is written in the JSON itself."""
 
 
 class UnknownKind(ValueError):  # noqa: N818 - it names what is the matter
-    """Inner record of a kind that this version does not know."""
+    """Error: an inner record has a kind that this version does not know."""
 
 
 @dataclass(frozen=True)
 class MemberCodec:
-    """Members of large arrays: ``store`` names an array's member, ``load`` gives it back."""
+    """Access to members with large arrays: ``store`` returns the name of an array's member, ``load`` the array of a
+    member.
+    """
 
     store: Callable[[Array], str]
     load: Callable[[str], Array]
@@ -33,11 +35,11 @@ class MemberCodec:
 def to_json(value: Any, members: MemberCodec) -> Json:
     """Plain JSON of a value made of dataclasses, enumerations, sequences, mappings, numbers and arrays.
 
-    A dataclass of a union has its name under ``kind``.
+    The record of a dataclass in a union has its name under ``kind``.
     """
     match value:
         case np.ndarray():
-            inline = 0 < value.size <= INLINE_NUMBERS and bool(np.isfinite(value).all())
+            inline = 0 < value.size <= MOST_INLINE_NUMBERS and bool(np.isfinite(value).all())
             return value.tolist() if inline else {"member": members.store(value)}
         case Enum():
             return value.value
@@ -63,9 +65,9 @@ def _is_written(field: Field[Any], value: Any) -> bool:
 
 
 def from_json(record: Json, hint: Any, members: MemberCodec) -> Any:
-    """Value of type ``hint`` in ``record``.
+    """Value of the type ``hint`` in a JSON ``record``.
 
-    Raises ValueError, with the path of field names, if the record does not fit the hint. Unknown fields are ignored;
+    Raises ValueError, with the path of field names, if the record does not fit. Unknown fields are ignored;
     ``unknown_fields`` finds them.
     """
     origin = get_origin(hint)
@@ -89,7 +91,7 @@ def from_json(record: Json, hint: Any, members: MemberCodec) -> Any:
 def unknown_fields(record: Json, hint: Any) -> dict[str, Json]:
     """Entries of ``record`` and its inner records that are no fields of the dataclass ``hint``.
 
-    For a list of records it is a list as long, where any of them has something unknown.
+    For a list of records it is a list of equal length, if any of them has an unknown entry.
     """
     if not is_dataclass(hint) or not isinstance(record, dict):
         return {}
@@ -113,7 +115,7 @@ def _unknown_within(record: Json, hint: Any) -> dict[str, Json] | list[dict[str,
 
 @cache
 def field_hints(kind: type) -> dict[str, Any]:
-    """The resolved type of each field of a dataclass."""
+    """Resolved type of each field of a dataclass."""
     hints = get_type_hints(kind)
     return {field.name: hints[field.name] for field in fields(kind) if field.init}
 
@@ -178,7 +180,7 @@ def _union(record: Json, choices: tuple[Any, ...], members: MemberCodec) -> Any:
 
 
 def _of_kind(record: Json, choices: tuple[Any, ...]) -> tuple[Any, ...]:
-    """Dataclasses that a record may be: those of its ``kind``, or those without a kind."""
+    """Dataclasses among ``choices`` that a record may be: those of its ``kind``, or those without a kind."""
     if not isinstance(record, dict):
         return ()
     return tuple(each for each in choices if is_dataclass(each) and getattr(each, "kind", None) == record.get("kind"))

@@ -50,7 +50,7 @@ def _as_said(capture: Capture, path: Path, options: ImportOptions) -> Capture:
 
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:
-    """Write the morphology-independent motion of ``take`` with its actor; raises StudioError for a body that is not
+    """Write the morphology-independent motion of ``take`` with its actor. Raises StudioError for a body that is not
     human.
     """
     from studio.io.s4d.writer import S4d, write_s4d

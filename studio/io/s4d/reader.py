@@ -24,7 +24,15 @@ from studio.io.npy import array_of
 from studio.io.project.constraint_file import constraint_of, contacts_of
 from studio.io.project.value_json import Json, MemberCodec, from_json
 from studio.io.referenced_files import read_bytes
-from studio.io.s4d.writer import CHANNELS, RECORD, ROTATIONS, S4D_FORMAT, S4D_VERSION, TRANSLATIONS, S4d
+from studio.io.s4d.writer import (
+    CHANNELS_MEMBER,
+    RECORD_MEMBER,
+    ROTATIONS_MEMBER,
+    S4D_FORMAT,
+    S4D_VERSION,
+    TRANSLATIONS_MEMBER,
+    S4d,
+)
 from studio.io.zipped import UnpacksTooFarError, unzipped_members
 
 FloatArray = NDArray[np.float64]
@@ -38,6 +46,8 @@ _LARGEST = 1e6
 
 @dataclass(frozen=True)
 class _Provenance:
+    """Part of the record about the source file."""
+
     source: str
     unit: str
     up_axis: str
@@ -47,7 +57,7 @@ class _Provenance:
 
 @dataclass(frozen=True, eq=False)
 class _Actor:
-    """Record called ``actor``; shapes are checked when its parts are made."""
+    """Part of the record about the actor; shapes are checked when the skeleton and rig are made."""
 
     joints: tuple[str, ...]
     parents: tuple[int, ...]
@@ -64,6 +74,8 @@ class _Actor:
 
 @dataclass(frozen=True, eq=False)
 class _Record:
+    """Record of an S4D file."""
+
     name: str
     frame_rate: float
     first_frame: int
@@ -76,18 +88,20 @@ class _Record:
 
 
 def read_s4d(path: Path, motion_id: str = "") -> S4d:
-    """Content of the file at ``path``; contacts and constraints get the id ``motion_id``.
+    """Content of the S4D file at ``path``; contacts and constraints get the id ``motion_id``.
 
-    Raises StudioError naming the file, the member and what to do.
+    Raises StudioError, which names the file, the member and what to do.
     """
     size, members = _members(path)
-    record = _record(members[RECORD], path)
-    arrays = {name: _array(members[name], name, path) for name in (CHANNELS, ROTATIONS, TRANSLATIONS)}
+    record = _record(members[RECORD_MEMBER], path)
+    arrays = {
+        name: _array(members[name], name, path) for name in (CHANNELS_MEMBER, ROTATIONS_MEMBER, TRANSLATIONS_MEMBER)
+    }
     try:
-        frames, joints = len(arrays[CHANNELS]), len(record.actor.joints)
+        frames, joints = len(arrays[CHANNELS_MEMBER]), len(record.actor.joints)
         if joints > MOST_S4D_JOINTS or frames * joints > _SPARE_POSES + size:
             raise ValueError(f"{frames} frames of {joints} joints are more than a file of this size can hold.")
-        motion = NormalizedMotion(record.name, record.frame_rate, arrays[CHANNELS], record.spine_places)
+        motion = NormalizedMotion(record.name, record.frame_rate, arrays[CHANNELS_MEMBER], record.spine_places)
         actor = _actor(record.actor, motion, arrays)
         motion = replace(motion, girdle=girdle_of(actor.morphology))
         capture = _capture(record, motion, actor)
@@ -102,7 +116,7 @@ def _members(path: Path) -> tuple[int, dict[str, bytes]]:
     """Size of the file, and its four members unpacked, limited together by a multiple of the size."""
     content = read_bytes(path)
     try:
-        names = (RECORD, CHANNELS, ROTATIONS, TRANSLATIONS)
+        names = (RECORD_MEMBER, CHANNELS_MEMBER, ROTATIONS_MEMBER, TRANSLATIONS_MEMBER)
         return len(content), unzipped_members(content, 20 * len(content) + _SPARE_BYTES, names)
     except UnpacksTooFarError as error:
         raise StudioError(f"{path.name} {error}, far more than it can hold: it is not a motion. Delete it.") from error
@@ -118,16 +132,16 @@ def _record(content: bytes, path: Path) -> _Record:
     try:
         parsed = json_of(content, parse_constant=_refuse, parse_float=_finite)
     except ValueError as error:
-        raise _damaged(path, f"'{RECORD}' is not readable as JSON ({error}).") from error
+        raise _damaged(path, f"'{RECORD_MEMBER}' is not readable as JSON ({error}).") from error
     if not isinstance(parsed, dict) or parsed.get("format") != S4D_FORMAT:
-        raise _damaged(path, f"'{RECORD}' does not say that it is one.")
+        raise _damaged(path, f"'{RECORD_MEMBER}' does not say that it is one.")
     version = parsed.get("version")
     if version != S4D_VERSION:
         raise StudioError(f"{path.name} has version {str(version)[:20]} of S4D. Install a newer Morpho Studio.")
     try:
         found: _Record = from_json(parsed, _Record, MemberCodec(_no_member, _no_member))
     except (ValueError, TypeError, OverflowError, StudioError) as error:
-        raise _damaged(path, f"'{RECORD}', {error}") from error
+        raise _damaged(path, f"'{RECORD_MEMBER}', {error}") from error
     return found
 
 
@@ -164,8 +178,8 @@ def _actor(record: _Actor, motion: NormalizedMotion, arrays: dict[str, FloatArra
         ("segment_joints", np.array(record.segment_joints), (layout.segment_count,)),
         ("alignments", record.alignments, (layout.segment_count, 4)),
         ("origin", record.origin, (3,)),
-        (ROTATIONS, arrays[ROTATIONS], (frames, len(record.rotations_of), 4)),
-        (TRANSLATIONS, arrays[TRANSLATIONS], (frames, len(record.translations_of), 3)),
+        (ROTATIONS_MEMBER, arrays[ROTATIONS_MEMBER], (frames, len(record.rotations_of), 4)),
+        (TRANSLATIONS_MEMBER, arrays[TRANSLATIONS_MEMBER], (frames, len(record.translations_of), 3)),
     ):
         if array.shape != shape:
             raise ValueError(f"{name} of shape {shape} expected, not {array.shape}.")
@@ -180,9 +194,9 @@ def _actor(record: _Actor, motion: NormalizedMotion, arrays: dict[str, FloatArra
     if body.layout != layout or np.abs(body.packed).max() > _LARGEST:
         raise ValueError("the morphology does not fit the channels.")
     rotations = np.tile(IDENTITY_QUATERNION, (frames, joints, 1))
-    rotations[:, list(record.rotations_of)] = arrays[ROTATIONS]
+    rotations[:, list(record.rotations_of)] = arrays[ROTATIONS_MEMBER]
     translations = np.tile(skeleton.offsets, (frames, 1, 1))
-    translations[:, list(record.translations_of)] = arrays[TRANSLATIONS]
+    translations[:, list(record.translations_of)] = arrays[TRANSLATIONS_MEMBER]
     return SourceRig(
         skeleton,
         body,
@@ -221,7 +235,7 @@ def _capture(record: _Record, motion: NormalizedMotion, actor: SourceRig) -> Cap
 
 
 def _annotations(record: _Record, motion_id: str, frames: int, path: Path) -> Annotations:
-    where = f"{path.name}, '{RECORD}'"
+    where = f"{path.name}, '{RECORD_MEMBER}'"
     constraints = tuple(
         constraint_of(each, motion_id, f"{where}, constraints[{place}]")
         for place, each in enumerate(record.constraints)

@@ -22,17 +22,22 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import from_matrix
 from studio.io.project.constraint_file import constraint_record
 from studio.io.registry import Progress
-from studio.io.zipped import npy, write_zip
+from studio.io.zipped import npy_file, write_zip
 
 FloatArray = NDArray[np.float64]
 
 S4D_FORMAT, S4D_VERSION = "S4D", 1
-RECORD, CHANNELS, ROTATIONS, TRANSLATIONS = "s4d.json", "channels.npy", "rotations.npy", "translations.npy"
+RECORD_MEMBER, CHANNELS_MEMBER, ROTATIONS_MEMBER, TRANSLATIONS_MEMBER = (
+    "s4d.json",
+    "channels.npy",
+    "rotations.npy",
+    "translations.npy",
+)
 
 NUMBER_STEP = 2.0**-17
-"""Quantum of stored numbers: 8 micrometres, or 0.0004 degrees, so that a ZIP packs float32 well."""
+"""Quantum of stored numbers: 8 micrometres, or 0.0004 degrees, so that float32 numbers compress well."""
 _UNROUNDED = slice(at.LIMB_SLACK, at.LIMB_OFF_PLANE + 4)
-"""Channels whose square root places elbow and knee of a straight limb: kept as float32 has them."""
+"""Columns of channels whose square root determines elbow and knee of a straight limb: stored as unrounded float32."""
 _STILL = 1e-9
 
 
@@ -47,25 +52,26 @@ class S4d:
 
 
 def write_s4d(path: Path, s4d: S4d, progress: Progress = lambda share, text: None) -> None:
-    """Write the file, whole or not at all: float32, within 0.1 mm and 0.01 degrees of ``s4d.capture`` when read back.
+    """Write an S4D file, whole or not at all: float32, within 0.1 mm and 0.01 degrees of ``s4d.capture`` when read
+    back.
 
-    Raises StudioError when it cannot be written; ``progress`` may raise to cancel.
+    Raises StudioError if it cannot be written; ``progress`` may raise an exception to cancel.
     """
     progress(0.0, f"Writing {path.name}")
     free, moving = pass_through_joints(s4d.actor)
     poses = s4d.actor.pass_through
     members = {
-        RECORD: json.dumps(_record(s4d, free, moving), ensure_ascii=False, allow_nan=False).encode(),
-        CHANNELS: npy(_channels(s4d.motion.channels)),
-        ROTATIONS: npy(_on_grid(poses.local_rotations[:, free])),
-        TRANSLATIONS: npy(_on_grid(poses.local_translations[:, moving])),
+        RECORD_MEMBER: json.dumps(_record(s4d, free, moving), ensure_ascii=False, allow_nan=False).encode(),
+        CHANNELS_MEMBER: npy_file(_channels(s4d.motion.channels)),
+        ROTATIONS_MEMBER: npy_file(_on_grid(poses.local_rotations[:, free])),
+        TRANSLATIONS_MEMBER: npy_file(_on_grid(poses.local_translations[:, moving])),
     }
     write_zip(path, members, 9, progress)
     progress(1.0, f"Wrote {path.name}")
 
 
 def pass_through_joints(actor: SourceRig) -> tuple[list[int], list[int]]:
-    """Joints whose local rotation, and those whose local translation, is in no channel and no offset."""
+    """Joints whose local rotation, and joints whose local translation, is in no channel and no offset."""
     poses, skeleton = actor.pass_through, actor.skeleton
     turned = np.asarray((np.abs(poses.local_rotations[..., :3]) > _STILL).any(axis=(0, 2)))
     turned[actor.segment_joints[actor.segment_joints >= 0]] = False
@@ -129,5 +135,5 @@ def _channels(channels: FloatArray) -> NDArray[np.float32]:
 
 
 def _on_grid(values: FloatArray) -> NDArray[np.float32]:
-    """Float32 with the frames of one number side by side, the order that compresses best."""
+    """Float32 values with the frames of one number side by side, the order that compresses best."""
     return np.asfortranarray(np.round(values / NUMBER_STEP) * NUMBER_STEP + 0.0, dtype="<f4")

@@ -1,4 +1,4 @@
-"""Scenes as captures: read by a child process; scales and mirroring are removed here."""
+"""Interpretation of scenes, read by a child process, as captures; scales and mirroring are removed."""
 
 import json
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.rotations import from_matrix, normalized, sign_continuous, to_matrix
 from studio.io.bvh.capture import capture_of
-from studio.io.guessing import Scale, stated_unit
+from studio.io.guessing import Scale, unit_of_metres
 from studio.io.importing import ImportOptions
 from studio.io.registry import Progress, ReadCapture
 from studio.io.scene.proper_rotations import proper_rotations
@@ -31,24 +31,24 @@ _PARTS = slice(0, 3), _TURN, slice(7, 10)
 
 @dataclass(frozen=True)
 class SceneJoints:
-    """Joints of a file relative to their rest pose: with all rotations zero the body is in its bind pose."""
+    """Motion of joints relative to their rest pose: with all rotations zero the body is in its bind pose."""
 
     skeleton: Skeleton
     local_rotations: FloatArray
     local_translations: FloatArray
     frame_time: float | None
-    said_unit: Scale
-    said_axis: str
+    stated_unit: Scale
+    stated_up_axis: str
     repairs: tuple[str, ...]
     frame_time_digit: float = _DIGIT
 
     @property
     def frame_count(self) -> int:
-        """Frames F."""
+        """Number of frames F."""
         return len(self.local_rotations)
 
     def transforms(self, frames: NDArray[np.int64] | slice) -> tuple[FloatArray, FloatArray]:
-        """Local rotations (N, J, 4) and translations (N, J, 3) of these frames."""
+        """Local rotations (N, J, 4) and translations (N, J, 3) of ``frames`` (N,)."""
         return self.local_rotations[frames], self.local_translations[frames]
 
 
@@ -64,7 +64,7 @@ def capture_in(arrays: Arrays, path: Path, options: ImportOptions, progress: Pro
 
 
 def scene_joints(arrays: Arrays, path: Path) -> SceneJoints:
-    """Names, joints and frames of the file, in its own units and axes. Raises StudioError."""
+    """Joints and frames in the arrays of the file, in its own units and axes. Raises StudioError."""
     try:
         frames, rest, about = arrays["frames"], arrays["rest"], json.loads(arrays["about"].tobytes())
     except (ValueError, KeyError) as error:
@@ -76,7 +76,8 @@ def scene_joints(arrays: Arrays, path: Path) -> SceneJoints:
 
 
 def _fill(name: str, frames: FloatArray) -> tuple[str, ...]:
-    """Interpolate missing values of ``frames`` (F, J, 10) in time, in place; a sentence with the number of frames.
+    """Interpolate missing values of ``frames`` (F, J, 10) in time, in place; return a sentence with the number of
+    frames.
 
     A position, rotation or scale that is missing in all frames stays missing.
     """
@@ -100,7 +101,7 @@ def _fill(name: str, frames: FloatArray) -> tuple[str, ...]:
 def _rigid(
     about: dict[str, object], frames: FloatArray, rest: FloatArray, path: Path, repairs: tuple[str, ...]
 ) -> SceneJoints:
-    """Apply scales to the positions, and make rotations relative to the rest pose."""
+    """Joints with scales applied to the positions, and rotations relative to the rest pose."""
     names, parents = _one_root(list(about["names"]), list(about["parents"]))  # type: ignore[call-overload]
     added = len(names) - frames.shape[1]
     still = np.array([0.0] * 6 + [1.0] * 4)
@@ -126,7 +127,7 @@ def _rigid(
         poses.local_rotations,
         poses.local_translations,
         1.0 / rate,
-        stated_unit(metres),
+        unit_of_metres(metres),
         str(about["up_axis"]),
         (*repairs, *mirrored),
     )

@@ -1,4 +1,4 @@
-"""Character in a scene: its joints and its skin in the bind pose."""
+"""Interpretation of a scene as a character: its joints and its skin in the bind pose."""
 
 import json
 from pathlib import Path, PureWindowsPath
@@ -38,8 +38,8 @@ _AXES = {
 }
 """Rotation of a file's axes to the studio's, as programs with Z up import it and what the studio writes of its kind."""
 _PICTURE_FOLDERS = ("textures", "Textures", "tex", "images")
-MOST_SHARES = 8
-"""Joints that a vertex hangs from."""
+MOST_SCENE_INFLUENCES = 8
+"""Maximum number of joints to which a vertex is bound."""
 CHARACTER_ADVICE = "Export the character as GLB from the program that made it."
 
 
@@ -96,13 +96,15 @@ def _figure(path: Path, about: dict[str, Any], arrays: Arrays) -> Figure:
 
 
 def _square(matrices: FloatArray) -> FloatArray:
-    """(..., 4, 4) of (..., 3, 4)."""
+    """Matrices (..., 4, 4) of matrices (..., 3, 4)."""
     last = np.broadcast_to([0.0, 0.0, 0.0, 1.0], (*matrices.shape[:-2], 1, 4))
     return np.concatenate([matrices, last], axis=-2)
 
 
 def _bound(parents: tuple[int, ...], shown: FloatArray, bind: FloatArray) -> FloatArray:
-    """(J, 4, 4) joints in the bind pose; one without a bind matrix keeps its transform relative to its parent."""
+    """World matrices (J, 4, 4) of the joints in the bind pose; one without a bind matrix keeps its transform relative
+    to its parent.
+    """
     world = shown.copy()
     for joint, parent in enumerate(parents):
         if np.isfinite(bind[joint]).all():
@@ -144,7 +146,7 @@ def _pieces(mesh: dict[str, Any], part: Arrays, materials: list[Material]) -> li
 
 
 def _triangles(faces: IntArray) -> IntArray:
-    """(T, 4) corners and material of the faces (F, 3), triangulated as fans from their first corner."""
+    """Corners and material (T, 4) of the faces (F, 3), triangulated as fans from their first corner."""
     fans = [np.empty((0, 4), np.int64)]
     for step in range(1, int(faces[:, 1].max(initial=0)) - 1):
         first, _, kind = faces[faces[:, 1] > step + 1].T
@@ -161,8 +163,8 @@ def _shares(carrier: int, part: Arrays) -> tuple[IntArray, FloatArray]:
     order = np.lexsort((-weight, vertex))
     vertex, joint, weight = vertex[order].astype(np.int64), joint[order].astype(np.int64), weight[order]
     place = np.arange(len(vertex)) - np.searchsorted(vertex, vertex)
-    joints, weights = np.zeros((count, MOST_SHARES), np.int64), np.zeros((count, MOST_SHARES))
-    kept = place < MOST_SHARES
+    joints, weights = np.zeros((count, MOST_SCENE_INFLUENCES), np.int64), np.zeros((count, MOST_SCENE_INFLUENCES))
+    kept = place < MOST_SCENE_INFLUENCES
     joints[vertex[kept], place[kept]], weights[vertex[kept], place[kept]] = joint[kept], weight[kept]
     bare = weights[:, 0] == 0.0
     if bare.any() and not bare.all():
@@ -172,8 +174,9 @@ def _shares(carrier: int, part: Arrays) -> tuple[IntArray, FloatArray]:
 
 
 def _picture_beside(path: Path, named: str) -> bytes:
-    """Content of a picture that the file at ``path`` names: at its own path below the folder, by its name alone, or in
-    a folder that programs make for pictures. Raises StudioError.
+    """Content of a picture that the file at ``path`` names, in the folder of the file or a usual folder for pictures.
+
+    It is looked for at its own relative path, then by its name alone. Raises StudioError.
     """
     name = PureWindowsPath(named).name
     places = (f"{folder}/{name}" for folder in (f"{path.stem}.fbm", *_PICTURE_FOLDERS))

@@ -1,4 +1,4 @@
-"""Run of a child process that reads a scene: limited memory, one line on standard error for an error."""
+"""Run of a child process that reads a scene, with limited memory; an error is one line on standard error."""
 
 import os
 import sys
@@ -7,10 +7,10 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-MOST_VALUES = 1 << 27
-"""Numbers of all frames and joints together."""
-MEMORY = 3 << 30
-"""Bytes of addresses beside twenty times the file: what Python and NumPy reserve, and half a gigabyte."""
+MOST_FRAME_VALUES = 1 << 27
+"""Maximum number of numbers of all frames and joints together."""
+SPARE_MEMORY_BYTES = 3 << 30
+"""Bytes of address space in addition to twenty times the file: for Python and NumPy, and half a gigabyte."""
 
 
 def run_child(main: Callable[[str, str, str], None]) -> None:
@@ -37,4 +37,4 @@ def _limit_memory(size: int) -> None:
     except ImportError:  # Windows has no such limit; time is limited there as here
         return
     with suppress(ValueError, OSError):  # macOS has the name, but keeps no such limit
-        resource.setrlimit(resource.RLIMIT_AS, (MEMORY + 20 * size,) * 2)
+        resource.setrlimit(resource.RLIMIT_AS, (SPARE_MEMORY_BYTES + 20 * size,) * 2)

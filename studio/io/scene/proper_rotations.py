@@ -1,4 +1,4 @@
-"""Rotations of joints whose scales mirror or flatten them in some frames."""
+"""Repair of rotations of joints whose scales mirror or flatten them in some frames."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,14 +8,14 @@ from studio.core.names import counted_noun
 FloatArray = NDArray[np.float64]
 
 FLAT_DETERMINANT = 1e-6
-"""Determinant of a matrix of unit columns below which it flattens, or mirrors."""
+"""Determinant of a matrix of unit columns below which it counts as flattening or mirroring."""
 _NAMED = 3
 
 
 def proper_rotations(names: list[str], relative: FloatArray) -> tuple[FloatArray, tuple[str, ...]]:
-    """Rotations (F, J, 3, 3) relative to the rest pose without mirroring, and a sentence on the joints repaired.
+    """Rotations (F, J, 3, 3) relative to the rest pose without mirroring, and a sentence about the repaired joints.
 
-    A joint that is mirrored in the rest pose too is none of them: relative to that it only rotates.
+    A joint that is mirrored in the rest pose too needs no repair: relative to that pose it only rotates.
     """
     wrong = np.linalg.det(relative) < FLAT_DETERMINANT
     if not wrong.any():

@@ -1,4 +1,4 @@
-"""Readers of scenes in a child process, in which a crash, an endless loop or a wrong file costs nothing."""
+"""Readers of scenes in a child process, in which a crash, an endless loop or a damaged file does no harm."""
 
 import subprocess
 import sys
@@ -27,18 +27,20 @@ Arrays = Mapping[str, NDArray[Any]]
 
 @dataclass(frozen=True)
 class SceneReader:
-    """Kind of scene, the module that reads it in a child process, and the package that it needs."""
+    """Reader of one scene format: the module that runs in a child process, and the package that it needs."""
 
     format: str
     module: str
     """``python -m MODULE IN OUT.npz motion|figure|either``."""
     package: str
-    """The name by which Python imports it."""
+    """Name by which Python imports the package."""
     distribution: str
-    """The name by which pip installs it, an extra of the studio."""
+    """Name by which pip installs the package, an extra of the studio."""
 
     def read(self, path: Path, what: str, progress: Progress) -> Arrays:
-        """Arrays of ``motion``, ``figure`` or ``either`` in the file. Raises StudioError with what to do."""
+        """Arrays of the ``motion``, the ``figure`` or ``either`` in the file, as ``what`` says. Raises StudioError with
+        what to do.
+        """
         if find_spec(self.package) is None:
             raise StudioError(
                 f"{path.name}: {self.format} is read with the package '{self.distribution}' (`pip install"
@@ -54,7 +56,7 @@ class SceneReader:
                 raise self._refusal(path, str(error)) from error
 
     def _run(self, path: Path, target: Path, what: str, alive: Callable[[], object]) -> None:
-        """Run the child process; a crash, an endless loop or a cancelled import end with it."""
+        """Run the child process; a crash, an endless loop or a cancelled import ends with it."""
         try:
             seconds = _PATIENCE + path.stat().st_size / _BYTES_A_SECOND
         except OSError as error:

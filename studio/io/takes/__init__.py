@@ -1,1 +1,1 @@
-"""Takes to be exported: those of a whole stage, and those on a character's own joints."""
+"""Takes for export: those of a whole stage, and those on a character's own joints."""

@@ -1,4 +1,4 @@
-"""Whole stage to be exported to one file: all performers and props on one clock, at their positions."""
+"""Whole stage for export to one file: all performers and props with common frames, at their positions."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -31,7 +31,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class ExportedProp:
-    """A prop in every frame: the ``places`` (F, 3) of its centre and its ``rotations`` (F, 4) on the stage."""
+    """Prop in every frame: positions ``places`` (F, 3) of its centre and its ``rotations`` (F, 4) on the stage."""
 
     name: str
     surface: Surface
@@ -45,7 +45,7 @@ class ExportedProp:
 
     @property
     def is_still(self) -> bool:
-        """True if it never moves."""
+        """True if the prop never moves."""
         return not (np.ptp(self.places, axis=0).any() or np.ptp(self.rotations, axis=0).any())
 
 
@@ -73,7 +73,7 @@ class ExportedStage:
 def exported_stage(
     project: Project, performances: Mapping[str, Performance], options: ExportOptions, path: Path
 ) -> ExportedStage:
-    """Stage to be written to ``path``: at its own frame rate from its first second to its last, or by ``options``.
+    """Stage to write to ``path``: at its own frame rate from its first second to its last, or as ``options`` set these.
 
     Performers hold still before their begin and after their end. Raises StudioError.
     """
@@ -120,7 +120,7 @@ def exported_stage(
 
 
 def write_stage(stage: ExportedStage, path: Path, progress: Progress = lambda share, text: None) -> Format:
-    """Write a stage in the format of the suffix of ``path``, and return that. Raises StudioError."""
+    """Write a stage in the format of the suffix of ``path``, and return the format. Raises StudioError."""
     chosen = format_for(path, "stage_writer")
     chosen.write_stage(path, stage, progress)
     return chosen
@@ -136,7 +136,7 @@ def _prop(name: str, prop: Prop, seconds: FloatArray, hands: "Mapping[str, Hands
 
 
 def _unique(names: Iterable[str]) -> list[str]:
-    """The names, with numbers where several are the same."""
+    """Names, with numbers added to duplicates."""
     found: list[str] = []
     for name in names:
         unique, number = name, 1

@@ -1,4 +1,4 @@
-"""Character's motion on the joints of its own file: their names, hierarchy, rest pose and axes."""
+"""Motion of a character on the joints of its own file: their names, hierarchy, rest pose and axes."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
-from studio.core.mesh.rig import NO_SEGMENT, rig_body_map
+from studio.core.mesh.rig import UNMOVED_JOINT, rig_body_map
 from studio.core.mesh.skin import bound_pose, fit_skin
 from studio.core.rigs.driven_fingers import below_hands, bound_joints, finger_drive, still_skeleton
 from studio.core.rigs.joint_skin import FloatArray, JointSkin
@@ -27,14 +27,13 @@ def has_own_rig(take: Take) -> bool:
     return take.adapted is not None and take.character is not None and take.character.skin.rig is not None
 
 
-def on_own_rig(take: Take, suffix: str, placement: Placement) -> Take:
+def take_on_own_rig(take: Take, suffix: str, placement: Placement) -> Take:
     """Take on the character's own joints, with its skin bound to them.
 
-    Every joint moves with its segment of the body, so that its skin deforms as that of the file would. Fingers rotate
-    as the take says; other extra joints of a capture are left out. Joints and skin rest where they rest in the
-    original file, and whatever is above the hips stays there; the body moves at ``placement`` on the stage. Files
-    with Y up have other joint axes: these are chosen so that those of the original file result in a file of the kind of
-    ``suffix``.
+    Every joint moves with its segment of the body, so that its skin deforms as in its own file. Fingers rotate as in
+    the take; other extra joints of a capture are left out. Joints and skin rest as in the original file, and joints
+    above the hips stay there; the body moves at ``placement`` on the stage. Files with Y up have other joint axes:
+    these are chosen so that a file with ``suffix`` has those of the original file.
     """
     character, adapted = take.character, take.adapted
     assert character is not None
@@ -44,7 +43,7 @@ def on_own_rig(take: Take, suffix: str, placement: Placement) -> Take:
     positions, rotations = bound_joints(mesh, character.build, body)
     if suffix in _Y_UP:
         rotations = rotations @ _WORLD_TO_FILE
-    moving = rig.segments != NO_SEGMENT
+    moving = rig.segments != UNMOVED_JOINT
     segments = rig.segments[moving]
     proximal = np.array(body.layout.proximal_points())
     then, axes = bound_pose(mesh, body)
@@ -105,7 +104,7 @@ def on_own_rig(take: Take, suffix: str, placement: Placement) -> Take:
 
 
 def _local(parents: NDArray[np.int64], turns: FloatArray, places: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Rotations (F, J, 3, 3) and translations (F, J, 3) in the parents' axes, of joints in the world."""
+    """Local rotations (F, J, 3, 3) and translations (F, J, 3) in the parents' axes, of joints given in the world."""
     above = np.maximum(parents, 0)
     is_root = parents < 0
     carriers = np.where(is_root[:, None, None], np.eye(3), np.swapaxes(turns[:, above], -1, -2))

@@ -11,7 +11,7 @@ from studio.core.errors import StudioError
 from studio.core.markers.subjects import with_subjects
 from studio.core.markers.trial import MARKER_KIND, Trial
 from studio.core.names import counted_noun, readable_name
-from studio.io.markers.unit import named_unit
+from studio.io.markers.unit import unit_by_spelling
 from studio.io.numbers import count_per_line, lines_of, number, table
 from studio.io.referenced_files import read_bytes
 
@@ -36,7 +36,7 @@ class TrcFile:
 
 
 def read_trc(path: Path, progress: Callable[[float], object] = lambda share: None) -> TrcFile:
-    """File at ``path``; raises StudioError with file, line and what to do if it is damaged."""
+    """Content of the TRC file at ``path``. Raises StudioError with file, line and what to do if it is damaged."""
     name, repairs = path.name, list[str]()
     lines = lines_of(read_bytes(path, _LARGEST))
     if len(lines) <= _NAMES_LINE:
@@ -77,7 +77,7 @@ def _header(keys: bytes, values: bytes) -> dict[str, str]:
 
 
 def _labels(name: str, line: bytes, repairs: list[str]) -> tuple[str, ...]:
-    """Unique name for each marker; each is above the first of its three columns."""
+    """Unique name of each marker, written above the first of its three columns."""
     text = line.decode("utf-8-sig", "replace")
     words = [word.strip() for word in (text.split("\t") if "\t" in text else text.split())]
     found = [word for word in words[_BEFORE:] if word]
@@ -111,7 +111,9 @@ def _cells(
     repairs: list[str],
     progress: Callable[[float], object],
 ) -> FloatArray:
-    """(F, 2 + 3 P) the numbers of all rows, NaN in empty cells; a last row that is cut off is dropped and listed."""
+    """Numbers (F, 2 + 3 P) of all rows, NaN in empty cells; a last row that is cut off is dropped and listed in
+    ``repairs``.
+    """
     width = _BEFORE + 3 * markers
     if any(b"," in row for row in rows):
         if any(b"." in row for row in rows):
@@ -147,7 +149,7 @@ def _cells(
 
 
 def _filled(row: bytes, width: int) -> bytes:
-    """A row of cells between tabs with a word in each: empty ones, and those that are left out at the end, as NaN."""
+    """Row of tab-separated cells in which empty and missing cells are filled with the word for NaN."""
     cells = [cell.strip() or b"nan" for cell in row.rstrip(b"\r\n").split(b"\t")]
     extra = cells[width:]
     cells = cells[:width] if all(cell == b"nan" for cell in extra) else cells
@@ -176,7 +178,7 @@ def _frame_rate(name: str, said: dict[str, str], times: FloatArray, repairs: lis
 
 
 def _unit(name: str, said: str, repairs: list[str]) -> str:
-    unit = named_unit(said)
+    unit = unit_by_spelling(said)
     if unit is None:
         repairs.append(f"{name}, line 3: Units is '{said[:20]}', which is not a known unit; taken as mm.")
     return unit or "mm"

@@ -1,1 +1,1 @@
-"""USD, written with its materials."""
+"""USD files, read in a child process, and written with their materials."""

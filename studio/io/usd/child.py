@@ -1,7 +1,7 @@
 """Child process that reads a USD file: ``python -m studio.io.usd.child IN.usd OUT.npz motion|figure|either``.
 
-usd-core is written in C++ and the file may be anybody's, so it runs where a crash or an endless loop costs nothing. It
-returns the same plain arrays as the child process that reads FBX.
+The library usd-core is written in C++ and files come from anywhere, so it runs in a process of its own, in which a
+crash or an endless loop does no harm. It returns the same plain arrays as the child process that reads FBX.
 """
 
 import json
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.io.scene.child_run import MOST_VALUES, run_child
+from studio.io.scene.child_run import MOST_FRAME_VALUES, run_child
 from studio.io.usd.child_meshes import meshes_of
 
 FloatArray = NDArray[np.float64]
@@ -26,7 +26,7 @@ _CLOCK = 240.0
 def main(source: str, target: str, what: str) -> None:
     """Read the longest animation of a skeleton in ``source``, or its figure, and write it to ``target``.
 
-    ``what`` is ``motion``, ``figure``, or ``either``: the figure of a file in which a mesh hangs from the skeleton.
+    ``what`` is ``motion``, ``figure``, or ``either``: the figure if a mesh is bound to the skeleton, else the motion.
     """
     from pxr import Usd, UsdGeom, UsdSkel
 
@@ -42,7 +42,7 @@ def main(source: str, target: str, what: str) -> None:
     paths = _joints(skeleton)
     if not 0 < len(paths) <= MOST_USD_JOINTS:
         sys.exit(f"its skeleton holds {len(paths)} joints, no number that a body has")
-    if len(moments) * len(paths) * 10 > MOST_VALUES:
+    if len(moments) * len(paths) * 10 > MOST_FRAME_VALUES:
         sys.exit(f"it says that it has {len(moments)} frames")
     about = {
         "names": _names(skeleton, paths),
@@ -87,7 +87,7 @@ def _names(skeleton: Any, paths: list[str]) -> list[str]:
 
 
 def _animation(cache: Any, skeleton: Any) -> Any:
-    """Query of the animation that the skeleton, or something above it, is bound to; None where there is none."""
+    """Query of the animation to which the skeleton or an ancestor is bound; None if there is none."""
     from pxr import UsdSkel
 
     source = UsdSkel.BindingAPI(skeleton.GetPrim()).GetInheritedAnimationSource()
@@ -96,7 +96,7 @@ def _animation(cache: Any, skeleton: Any) -> Any:
 
 
 def _rate(stage: Any) -> float:
-    """Frame rate of a stage in fps: time codes per second, or the playback rate where they count ticks of a clock."""
+    """Frame rate of a stage in fps: time codes per second, or the playback rate if they count ticks of a clock."""
     codes = stage.GetTimeCodesPerSecond()
     return float(stage.GetFramesPerSecond() if codes > _CLOCK else codes)
 
@@ -108,11 +108,13 @@ def _span(stage: Any, animation: Any) -> list[float]:
         return []
     step = stage.GetTimeCodesPerSecond() / _rate(stage)
     count = int((times[-1] - times[0]) / step + 1e-3) + 1
-    return [times[0] + step * frame for frame in range(min(count, MOST_VALUES))]
+    return [times[0] + step * frame for frame in range(min(count, MOST_FRAME_VALUES))]
 
 
 def _rest(skeleton: Any, paths: list[str], parents: list[int]) -> FloatArray:
-    """(J, 4, 4) joints to their parents at rest, of column vectors; the bind pose if the file has no rest pose."""
+    """Matrices (J, 4, 4) from joints to their parents at rest, acting on columns; the bind pose if the file has no rest
+    pose.
+    """
     rest = skeleton.GetRestTransformsAttr().Get() or ()
     if len(rest) == len(paths):
         return _columns(rest)
@@ -128,18 +130,18 @@ def _rest(skeleton: Any, paths: list[str], parents: list[int]) -> FloatArray:
 
 
 def _bind(skeleton: Any, paths: list[str]) -> FloatArray:
-    """(J, 3, 4) joints in the world in the bind pose, NaN if unknown."""
+    """World matrices (J, 3, 4) of the joints in the bind pose, NaN if unknown."""
     bind = skeleton.GetBindTransformsAttr().Get() or ()
     return _columns(bind)[:, :3] if len(bind) == len(paths) else np.full((len(paths), 3, 4), np.nan)
 
 
 def _columns(matrices: Any) -> FloatArray:
-    """(N, 4, 4) matrices that act on columns, as NumPy has them; those of USD act on rows."""
+    """Matrices (N, 4, 4) that act on columns, as in NumPy; those of USD act on rows."""
     return np.swapaxes(np.array(matrices, dtype=np.float64).reshape(-1, 4, 4), 1, 2)
 
 
 def _world(rest: FloatArray, parents: list[int]) -> FloatArray:
-    """(J, 3, 4) joints in the world at rest."""
+    """World matrices (J, 3, 4) of the joints at rest."""
     world = rest.copy()
     for joint, parent in enumerate(parents):
         if parent >= 0:
@@ -148,7 +150,7 @@ def _world(rest: FloatArray, parents: list[int]) -> FloatArray:
 
 
 def _moved(above: FloatArray, transforms: FloatArray) -> FloatArray:
-    """Transforms (..., 3, 4) under a node whose own is ``above`` (4, 4)."""
+    """Transforms (..., 3, 4) relative to the world, below a node with the transform ``above`` (4, 4)."""
     moved = above[:3, :3] @ transforms
     moved[..., 3] += above[:3, 3]
     return moved
@@ -157,7 +159,7 @@ def _moved(above: FloatArray, transforms: FloatArray) -> FloatArray:
 def _motion(
     skeleton: Any, animation: Any, moments: list[float], rest: FloatArray, paths: list[str], up: str
 ) -> dict[str, FloatArray]:
-    """``frames`` (F, J, 10) and ``rest`` (J, 10): position, rotation and scale of every joint in its parent."""
+    """Arrays ``frames`` (F, J, 10) and ``rest`` (J, 10): position, rotation and scale of every joint in its parent."""
     from pxr import UsdGeom
 
     roots = [joint for joint, path in enumerate(paths) if "/" not in path]
@@ -187,7 +189,7 @@ def _motion(
 
 
 def _matrix(parts: FloatArray) -> FloatArray:
-    """(4, 4) of ``_parts``."""
+    """Matrix (4, 4) of a position, rotation and scale, given as ten numbers."""
     from pxr import Gf
 
     x, y, z, w = parts[3:7].tolist()

@@ -1,4 +1,4 @@
-"""Meshes of a USD file as plain arrays: read in the child process of ``child``."""
+"""Meshes of a USD file as plain arrays, read in the child process of ``child``."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -14,10 +14,11 @@ MOST_USD_CORNERS = 4_000_000
 def meshes_of(
     prims: Iterable[Any], skeleton: Any, paths: list[str]
 ) -> tuple[list[dict[str, Any]], dict[str, NDArray[Any]]]:
-    """Record of each mesh that hangs from the joints at ``paths`` of ``skeleton``, and its arrays, by number and name.
+    """Record of each mesh that is bound to the joints at ``paths`` of ``skeleton``, and arrays of the meshes by number
+    and name.
 
-    Vertices are put in the world as they were bound by ``to_world`` (3, 4). A mesh of the same figure that hangs from
-    no joint has a record without weights.
+    ``to_world`` (3, 4) puts vertices into the world as they were bound. A mesh of the same figure that is bound to no
+    joint has a record without weights.
     """
     from pxr import UsdGeom, UsdSkel
 
@@ -49,7 +50,7 @@ def meshes_of(
 
 
 def _weights(mesh: Any, binding: Any, paths: list[str]) -> FloatArray:
-    """(W, 3) vertex, joint and weight; empty for a mesh that hangs from no joint."""
+    """Table (W, 3) of vertex, joint and weight; empty for a mesh that is bound to no joint."""
     indices, weights = binding.GetJointIndicesPrimvar(), binding.GetJointWeightsPrimvar()
     joints, shares = indices.ComputeFlattened(), weights.ComputeFlattened()
     wide = indices.GetElementSize()
@@ -68,7 +69,7 @@ def _weights(mesh: Any, binding: Any, paths: list[str]) -> FloatArray:
 
 
 def _corners(mesh: Any, corners: NDArray[np.int64], of_faces: NDArray[np.int64]) -> dict[str, FloatArray]:
-    """Values of vertices, normals and texture coordinates, and of each corner of the faces which of them it has."""
+    """Values of vertices, normals and texture coordinates, and the index of each for every corner of the faces."""
     from pxr import UsdGeom
 
     sizes = np.array(mesh.GetFaceVertexCountsAttr().Get(), dtype=np.int64)
@@ -105,7 +106,7 @@ def _corners(mesh: Any, corners: NDArray[np.int64], of_faces: NDArray[np.int64])
 def _materials(
     mesh: Any, arrays: dict[str, NDArray[Any]], number: int
 ) -> tuple[list[dict[str, Any]], NDArray[np.int64]]:
-    """Records of the materials of a mesh, with the place (F,) of each face's among them."""
+    """Records of the materials of a mesh, and the index (F,) of each face's material among them."""
     from pxr import UsdShade
 
     api = UsdShade.MaterialBindingAPI(mesh.GetPrim())
@@ -120,7 +121,7 @@ def _materials(
 
 
 def _material(material: Any, arrays: dict[str, NDArray[Any]], key: str) -> dict[str, Any]:
-    """Name, colour and picture: inside the package, or named by the file."""
+    """Record of a material: name, colour and picture, which is inside the package or named by the file."""
     told: dict[str, Any] = {"name": "", "colour": [0.8, 0.8, 0.8], "picture": ""}
     if not material:
         return told
@@ -141,7 +142,7 @@ def _material(material: Any, arrays: dict[str, NDArray[Any]], key: str) -> dict[
 
 
 def _keep_packed(path: str, arrays: dict[str, NDArray[Any]], key: str) -> None:
-    """Keep the content of a picture inside a package; one beside the file is read by who reads all others."""
+    """Keep the content of a picture inside a package; pictures beside the file are read by the parent process."""
     from pxr import Ar
 
     if Ar.IsPackageRelativePath(path):
@@ -152,6 +153,6 @@ def _keep_packed(path: str, arrays: dict[str, NDArray[Any]], key: str) -> None:
 
 
 def _shown(linear: FloatArray) -> FloatArray:
-    """Colour as screens have it (sRGB) of a linear one."""
+    """sRGB colour of a linear one."""
     linear = np.clip(linear, 0.0, 1.0)
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1.0 / 2.4) - 0.055)

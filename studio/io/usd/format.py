@@ -20,16 +20,16 @@ def is_usd(head: bytes) -> bool:
 
 
 def load_capture(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture:
-    """The capture in the USD file at ``path``: its longest animation of a skeleton. Raises StudioError."""
+    """Capture in the USD file at ``path``: its longest animation of a skeleton. Raises StudioError."""
     return capture_in(USD_READER.read(path, "motion", progress), path, options, progress)
 
 
 def load_character(path: Path, options: ImportOptions, progress: Progress) -> ReadCharacter:
-    """Read skeleton, meshes and materials, and find the body. Raises StudioError."""
+    """Character in the USD file at ``path``: skeleton, meshes, materials and the body. Raises StudioError."""
     return character_in(USD_READER.read(path, "figure", progress), path, options, progress)
 
 
 def load_either(path: Path, options: ImportOptions, progress: Progress) -> ReadCapture | ReadCharacter:
-    """The character of a file in which a mesh hangs from a skeleton, else the capture. Raises StudioError."""
+    """Character if a mesh of the file is bound to a skeleton, else the capture. Raises StudioError."""
     arrays = USD_READER.read(path, "either", progress)
     return (capture_in if "frames" in arrays else character_in)(arrays, path, options, progress)

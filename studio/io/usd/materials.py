@@ -1,4 +1,4 @@
-"""Materials of a skin as preview surfaces of USD, with textures as pictures beside."""
+"""Materials of a skin as preview surfaces of USD, with textures as pictures beside the file."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -15,9 +15,9 @@ _THRESHOLD = 0.5
 def bind_materials(
     stage: Any, mesh: Any, materials: Sequence[Material], of_triangles: NDArray[np.int32], stem: str
 ) -> dict[str, bytes]:
-    """Make a surface for each material and bind it to the triangles that it covers.
+    """Make a surface for each material, bind it to its triangles, and return the pictures by name.
 
-    Returns the pictures by the names under which the surfaces look for them beside the file, which begin with ``stem``.
+    The surfaces look for pictures under these names beside the file; the names begin with ``stem``.
     """
     from pxr import UsdGeom, UsdShade, Vt
 
@@ -40,7 +40,7 @@ def bind_materials(
 
 
 def identifiers(names: list[str]) -> list[str]:
-    """Names that USD allows, each once."""
+    """Unique names that USD allows."""
     from pxr import Tf
 
     allowed: list[str] = []
@@ -53,7 +53,9 @@ def identifiers(names: list[str]) -> list[str]:
 
 
 def _surface(stage: Any, made: Any, material: Material, picture: str | None) -> None:
-    """Its colour, which tints its picture where it has one; holes where that is transparent."""
+    """Set the surface's colour, which tints the picture if there is one, and cut holes where the picture is
+    transparent.
+    """
     from pxr import Sdf
 
     surface = _shader(stage, made, "Surface", "UsdPreviewSurface")

@@ -1,4 +1,4 @@
-"""A take as USD: a UsdSkel skeleton with its animation and skin, Z up and in metres as the studio has them.
+"""Writer of a take as USD: a UsdSkel skeleton with its animation and skin, Z up and in metres as in the studio.
 
 The package usd-core is an extra of the studio (``pip install morpho-studio[usd]``), imported only here.
 """
@@ -17,7 +17,7 @@ from studio.core.errors import StudioError
 from studio.core.names import readable_name
 from studio.core.rigs.joint_skin import JointSkin
 from studio.core.rotations import to_matrix
-from studio.core.stage.saved_camera import CAMERA_ASPECT, FARTHEST_SEEN, NEAREST_SEEN, VIEW_ANGLE, SavedCamera
+from studio.core.stage.saved_camera import CAMERA_ASPECT, CAMERA_FAR_METRES, CAMERA_NEAR_METRES, VIEW_ANGLE, SavedCamera
 from studio.io.atomic_write import atomic_replacements
 from studio.io.export import Take, plain_material, skin_of
 from studio.io.interrupts import deferred_interrupt
@@ -28,18 +28,18 @@ from studio.io.zipped import write_zip
 
 FloatArray = NDArray[np.float64]
 
-FOCAL_LENGTH = 50.0
-"""Of every camera; only its ratio to the aperture is seen."""
-PACKED = ".usdz"
+USD_FOCAL_LENGTH = 50.0
+"""Focal length of every camera; only its ratio to the aperture matters."""
+PACKED_SUFFIX = ".usdz"
 _TOLD, _SAVED = 64, 8192
 """Frames between two reports of progress, and those that go to the disk at once: USD holds Python's lock for them."""
 
 
 def write_take(path: Path, take: Take, progress: Progress) -> None:
-    """Write skeleton, animation and the character's skin, or a figure of bones where there is none.
+    """Write skeleton, animation and the character's skin, or a figure of bones if it has none.
 
-    One time sample a frame. Textures become pictures beside the file, named after it, or go into it where it is a
-    ``.usdz``. Raises StudioError when the package is missing or something cannot be written.
+    The file has one time sample per frame. Textures become pictures beside the file, named after it, or are packed into
+    a ``.usdz``. Raises StudioError if the package is missing or the file cannot be written.
     """
 
     def fill(stage: Any) -> dict[str, bytes]:
@@ -54,7 +54,10 @@ def write_take(path: Path, take: Take, progress: Progress) -> None:
 
 
 def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
-    """Write all performers and props of a stage on one clock at their positions, below one prim. As ``write_take``."""
+    """Write all performers and props of a stage with common frames at their positions, below one prim.
+
+    Units, axes and textures are those of ``write_take``. Raises StudioError if the file cannot be written.
+    """
 
     def fill(made: Any) -> dict[str, bytes]:
         from pxr import UsdGeom
@@ -79,7 +82,7 @@ def write_stage(path: Path, stage: ExportedStage, progress: Progress) -> None:
 
 
 def _write(path: Path, fill: Callable[[Any], dict[str, bytes]], progress: Progress) -> None:
-    """Write what ``fill`` puts on a stage, with the pictures that it returns by name."""
+    """Write the stage that ``fill`` sets up, with the pictures that it returns by name."""
     try:
         with deferred_interrupt():
             from pxr import Tf, Usd, UsdGeom, UsdShade, UsdSkel  # noqa: F401 - all that is imported on the way
@@ -95,7 +98,7 @@ def _write(path: Path, fill: Callable[[Any], dict[str, bytes]], progress: Progre
                 (Path(folder) / name).write_bytes(content)
             progress(0.9, f"Writing {path.name}")
             written = _written(layer, stage, path.suffix.lower(), pictures, progress)
-            beside = () if written.suffix == PACKED else tuple(pictures)
+            beside = () if written.suffix == PACKED_SUFFIX else tuple(pictures)
             with atomic_replacements(path, *(path.with_name(name) for name in beside)) as parts:
                 for part, name in zip(parts, (written.name, *beside), strict=True):
                     shutil.copyfile(Path(folder) / name, part)
@@ -105,9 +108,9 @@ def _write(path: Path, fill: Callable[[Any], dict[str, bytes]], progress: Progre
 
 
 def _written(layer: Path, stage: Any, suffix: str, pictures: Iterable[str], progress: Progress) -> Path:
-    """The file of the layer, or one beside it: as text, or with its pictures in a package."""
-    if suffix == PACKED:
-        package = layer.with_suffix(PACKED)
+    """Path of the written layer, or of a file beside it: as text, or with its pictures in a package."""
+    if suffix == PACKED_SUFFIX:
+        package = layer.with_suffix(PACKED_SUFFIX)
         files = {name: layer.with_name(name).read_bytes() for name in (layer.name, *pictures)}
         write_zip(package, files, None, lambda share, text: progress(0.9 + 0.1 * share, text))
         return package
@@ -119,7 +122,7 @@ def _written(layer: Path, stage: Any, suffix: str, pictures: Iterable[str], prog
 
 
 def _set_up(stage: Any, frame_rate: float, frame_count: int) -> None:
-    """Axes, unit and frames."""
+    """Set axes, unit and frames of the stage."""
     from pxr import UsdGeom
 
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
@@ -131,7 +134,7 @@ def _set_up(stage: Any, frame_rate: float, frame_count: int) -> None:
 
 
 def _put_take(stage: Any, take: Take, path: str, stem: str, progress: Any) -> dict[str, bytes]:
-    """Put the take on the stage; returns the pictures of its textures by the names they have there."""
+    """Put the take on the stage, and return the pictures of its textures by their names there."""
     from pxr import Sdf, UsdGeom, UsdSkel, Vt
 
     skin = skin_of(take)
@@ -177,13 +180,13 @@ def _put_camera(stage: Any, camera: SavedCamera, path: str) -> None:
     matrix = np.eye(4)
     matrix[:3, :3], matrix[3, :3] = placement.axes, placement.eye  # USD's matrices act on rows
     made.AddTransformOp().Set(Gf.Matrix4d(matrix.tolist()))
-    tall = 20.0 * placement.half_height if placement.parallel else 2.0 * FOCAL_LENGTH * np.tan(VIEW_ANGLE / 2)
+    tall = 20.0 * placement.half_height if placement.parallel else 2.0 * USD_FOCAL_LENGTH * np.tan(VIEW_ANGLE / 2)
     made.CreateProjectionAttr(UsdGeom.Tokens.orthographic if placement.parallel else UsdGeom.Tokens.perspective)
-    made.CreateFocalLengthAttr(FOCAL_LENGTH)
+    made.CreateFocalLengthAttr(USD_FOCAL_LENGTH)
     made.CreateVerticalApertureAttr(tall)
     made.CreateHorizontalApertureAttr(CAMERA_ASPECT * tall)
     made.CreateFocusDistanceAttr(placement.distance)
-    made.CreateClippingRangeAttr(Gf.Vec2f(NEAREST_SEEN, FARTHEST_SEEN))
+    made.CreateClippingRangeAttr(Gf.Vec2f(CAMERA_NEAR_METRES, CAMERA_FAR_METRES))
 
 
 def _joint_paths(skeleton: Skeleton) -> list[str]:
@@ -197,7 +200,9 @@ def _joint_paths(skeleton: Skeleton) -> list[str]:
 def _skeleton(
     stage: Any, root: Any, skeleton: Skeleton, skin: JointSkin, joints: list[str], turns: FloatArray | None
 ) -> Any:
-    """Rest: the zero pose, in the parents' axes. Bind: where the skin's joints stood, in the world."""
+    """Skeleton with its rest transforms (the zero pose, in the parents' axes) and bind transforms (of the skin, in the
+    world).
+    """
     from pxr import UsdSkel, Vt
 
     made = UsdSkel.Skeleton.Define(stage, root.GetPath().AppendChild("Skeleton"))
@@ -253,7 +258,7 @@ def _mesh(stage: Any, root: Any, skeleton: Any, skin: JointSkin) -> Any:
 
 
 def _set_surface(mesh: Any, vertices: FloatArray, normals: FloatArray, triangles: NDArray[Any]) -> None:
-    """Points, faces and normals of a mesh."""
+    """Set points, faces and normals of a mesh."""
     from pxr import UsdGeom, Vt
 
     points = vertices.astype(np.float32)

@@ -1,4 +1,4 @@
-"""Scenes made by the program from its own captures: each a project, and a text about it."""
+"""Bundled scenes, made by the program from its own captures: each is a project with a text about it."""
 
 from dataclasses import dataclass
 from importlib import import_module
@@ -10,27 +10,27 @@ from studio.resources_folder import resources_folder
 
 @dataclass(frozen=True)
 class BundledScene:
-    """Project that is made on request, and not loaded before."""
+    """Scene that the program makes when the user asks for it."""
 
     title: str
     text: str
-    """Text for the user: what the scene shows."""
+    """Description for the user."""
     maker: str
-    """Name of the module and function that make it, in this package."""
+    """Module in this package and function that make the project."""
     tags: tuple[str, ...]
 
     @property
     def key(self) -> str:
-        """Name of its action and its picture."""
+        """Name of the scene's action and picture."""
         return self.maker.partition(".")[2]
 
     @property
     def picture(self) -> Path:
-        """PNG file of its stage (``examples/make_scene_pictures.py``)."""
+        """Path of the PNG picture of the scene's stage (made by ``examples/make_scene_pictures.py``)."""
         return resources_folder() / "scenes" / f"{self.key}.png"
 
     def make(self) -> Project:
-        """The project. Raises StudioError where a bundled file cannot be read."""
+        """Make the project. Raises StudioError if a bundled file cannot be read."""
         module, _, function = self.maker.partition(".")
         made: Project = getattr(import_module(f"{__name__}.{module}"), function)()
         return made

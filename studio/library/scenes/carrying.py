@@ -6,19 +6,19 @@ from studio.core.constraints.base import Constraint
 from studio.core.stage.holding import grip_constraints
 from studio.core.stage.project import Project
 from studio.core.stage.prop import Carried, Prop
-from studio.library.scenes.papers import row
-from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, material
+from studio.library.scenes.papers import performers_in_one_motion
+from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, source_motions
 
 BOX_WIDTHS = (0.16, 0.34, 0.52)
 """Widths of the boxes in metres; all are as deep as the first is wide, and a little higher."""
 HANDS_CENTRE = (0.42, 0.0, 0.36)
-"""Position of the middle between swinging hands, in leg lengths."""
+"""Position of the middle between swinging hands relative to the root, in leg lengths."""
 
 
 def three_boxes() -> Project:
-    """Three bodies walk with a box each."""
-    stuff = material(walk=("Walk and turn", "walk_turn"))
-    project = row(stuff, "walk", 3, apart=1.5)
+    """Project of three bodies that walk, each with a box."""
+    stuff = source_motions(walk=("Walk and turn", "walk_turn"))
+    project = performers_in_one_motion(stuff, "walk", 3, apart=1.5)
     last = (stuff.captures["walk_turn"].frame_count - 1) / BUNDLED_FRAME_RATE
     props, asked = {}, dict[str, Constraint]()
     for width, (key, performer) in zip(BOX_WIDTHS, project.performers.items(), strict=True):

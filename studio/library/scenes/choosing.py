@@ -1,5 +1,5 @@
-"""One target for three bodies; each plays the strike of the bundled library that is found for it (P09,
-figures 1, 8).
+"""One target for three bodies, each with the strike of the bundled library that the search finds for it (P09, figures
+1, 8).
 """
 
 from dataclasses import replace
@@ -20,15 +20,15 @@ from studio.core.stage.prop import Prop, PropShape
 from studio.io.importing import load_capture
 from studio.library.indexing import bundled_library
 from studio.library.inserted_strike import StrikeScene, inserted_strike
-from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, bodies, material
+from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, source_motions, varied_characters
 from studio.library.searching import Result, StrikeQuery, search_strikes
 from studio.library.striking import tried_strikes
 
 FIGHTER_BODIES = ("child", "adult_woman", "giant")
 GUARD_FRAMES = (240, 300)
-"""Frames of the punch in which the fighter only stands on guard; the strike takes over from the last one."""
+"""First and last frame of the punch in which the fighter only stands on guard; the strike begins at the last one."""
 STRIKE_BEGIN = (GUARD_FRAMES[1] - GUARD_FRAMES[0]) / BUNDLED_FRAME_RATE
-"""Seconds of the stage at which the strikes begin."""
+"""Stage second at which the strikes begin."""
 TARGET_AHEAD, TARGET_HEIGHT = 0.7, 1.1
 """Distance of the target ahead of the root, and its height above the ground, in metres."""
 BALL_DIAMETER = 0.12
@@ -41,9 +41,9 @@ MOST_STRIKES_TRIED = 4
 
 def one_target() -> Project:
     """Project of the scene. Raises StudioError if a bundled file cannot be read."""
-    stuff = material(guard=("Guard", "straight_punch"))
+    stuff = source_motions(guard=("Guard", "straight_punch"))
     guard, _ = normalize_capture(stuff.captures["straight_punch"])
-    library, people = bundled_library(), bodies(5)
+    library, people = bundled_library(), varied_characters(5)
     project = Project(stuff.captures, stuff.motions, {}, {}, {}, stuff.contacts)
     for place, key in enumerate(FIGHTER_BODIES):
         asked = target_of(guard, GUARD_FRAMES[1], people[key].morphology)
@@ -57,8 +57,9 @@ def one_target() -> Project:
 def target_of(
     guard: NormalizedMotion, frame: int, body: Morphology, position: tuple[float, float] = (TARGET_AHEAD, TARGET_HEIGHT)
 ) -> StrikeQuery:
-    """Search query for strikes from ``frame`` of the guard stance ``guard`` at a target ``position``: metres ahead of
-    the root of ``body``, and above the ground.
+    """Search query for strikes from ``frame`` of the stance ``guard`` at a target ``position``.
+
+    ``position`` is in metres: ahead of the root of ``body``, and above the ground.
     """
     pose = replace(guard, channels=guard.channels[frame : frame + 1])
     x, y, _ = realize_motion(pose, body)[0][0, 0].tolist()
@@ -66,7 +67,7 @@ def target_of(
 
 
 def _with_fighter(project: Project, key: str, character: Character, y: float, asked: StrikeQuery) -> Project:
-    """``project`` with one more body on guard, and a ball at the place that is asked for."""
+    """Project with one more body on guard, and a ball at the target of the query ``asked``."""
     performer = Performer(character.name, key, (Clip("guard", *GUARD_FRAMES, id=f"{key} guard"),), (0.0, y))
     x, aside, z = np.asarray(asked.place).tolist()
     ball = Prop(
@@ -84,7 +85,7 @@ def _with_fighter(project: Project, key: str, character: Character, y: float, as
 
 
 def _with_strike(scene: StrikeScene, found: Result) -> Project:
-    """Project of a scene with the capture of a strike, which is inserted."""
+    """Project of ``scene`` with the strike ``found`` inserted and its capture added."""
     take, key = found.clip.take, scene.performer_id
     motion_id, capture = take.motion.name, load_capture(Path(take.path))
     contacts = {f"{motion_id} {place}": each for place, each in enumerate(detected_contacts(capture, motion_id))}

@@ -22,41 +22,52 @@ from studio.core.stage.conditions import (
     KeyCondition,
     TimeCondition,
 )
-from studio.core.stage.manners import KeepDistance
 from studio.core.stage.project import Performer, Project
-from studio.library.scenes.stagehand import BUNDLED_FRAME_RATE, around, bodies, hit_at, material
+from studio.core.stage.reactions import KeepDistance
+from studio.library.scenes.stagehand import (
+    BUNDLED_FRAME_RATE,
+    held_activation,
+    hit_activation,
+    source_motions,
+    varied_characters,
+)
 
 KICK_FRAME, PUNCH_FRAME = 152, 181
 """Frames of the captures at which the leg and the arm are stretched most."""
 FIGHT_DISTANCE = 1.7
-"""Distance between two fighters in mean leg lengths: as far as kick and punch reach unadapted."""
+"""Distance between two fighters in mean leg lengths at which the captured kick and punch reach without adaptation."""
 PAIR_SPACING = 2.2
 """Metres from one pair to the next."""
-KICKING_ANKLE = BodyPoint(BodyPart.RIGHT_SHANK, at_end=True)
-WARDING_FOREARM = BodyPoint(BodyPart.LEFT_FOREARM, (0.0, 0.0, 0.12))
-RIGHT_FIST = BodyPoint(BodyPart.RIGHT_HAND, (0.0, 0.0, 0.09))
+KICKING_ANKLE_POINT = BodyPoint(BodyPart.RIGHT_SHANK, at_end=True)
+WARDING_FOREARM_POINT = BodyPoint(BodyPart.LEFT_FOREARM, (0.0, 0.0, 0.12))
+RIGHT_FIST_POINT = BodyPoint(BodyPart.RIGHT_HAND, (0.0, 0.0, 0.09))
 POINT_BEFORE_CHEST = BodyPoint(BodyPart.THORAX, (0.24, 0.0, -0.02))
-BEFORE_BELLY = BodyPoint(BodyPart.PELVIS, (0.24, 0.0, 0.02))
-CHEST_KICK_STATURE = 0.9
-"""Fraction of the other's stature below which a leg does not reach the chest."""
-CHIN = BodyPoint(BodyPart.HEAD, (0.12, 0.0, 0.03))
-BACK = (-0.22, 0.0, -0.05)
-"""Leg lengths by which a head leans back from a fist."""
-KICK_CHAIN, PUNCHING, LEAN_CHAINS = Chain(root=1.0), Chain(trunk=0.6, root=0.6), Chain(trunk=1.0)
-GUARD_CHAINS, LOW_GUARD = Chain(), Chain(trunk=0.8)
+POINT_BEFORE_BELLY = BodyPoint(BodyPart.PELVIS, (0.24, 0.0, 0.02))
+CHEST_KICK_STATURE_FRACTION = 0.9
+"""Fraction of the partner's stature; a shorter kicker does not reach the partner's chest."""
+CHIN_POINT = BodyPoint(BodyPart.HEAD, (0.12, 0.0, 0.03))
+LEAN_BACK_OFFSET = (-0.22, 0.0, -0.05)
+"""Displacement in leg lengths of a head that leans back from a fist."""
+KICK_CHAIN, FIGHT_PUNCH_CHAIN, LEAN_BACK_CHAIN = Chain(root=1.0), Chain(trunk=0.6, root=0.6), Chain(trunk=1.0)
+"""Segments that help in the kick, in the punch, and in leaning back."""
+GUARD_CHAIN, LOW_GUARD_CHAIN = Chain(), Chain(trunk=0.8)
+"""Segments that help in warding off a kick at the chest, and at the belly."""
 
 
-KICK_SECONDS, WARD_DELAY = 1.0, 0.65
-"""Seconds of the stage at which the kick begins on the timeline, and seconds from then to the warding off."""
-ON_GUARD = 1.4
-"""Distance between the hips of a pair on guard at the beginning, in leg lengths."""
-AT_REACH, BEYOND_KICK = KeepDistance(distance=ON_GUARD, room=0.12, legs=True), ON_GUARD + 0.3
-"""Distance kept in live playback, and the leg lengths beyond which nobody kicks."""
+KICK_SECONDS, WARD_DELAY_SECONDS = 1.0, 0.65
+"""Stage second at which the kick begins, and seconds from then to the warding off."""
+GUARD_DISTANCE = 1.4
+"""Initial distance between the hips of a pair on guard, in leg lengths."""
+KEEP_GUARD_DISTANCE, MOST_KICK_DISTANCE = (
+    KeepDistance(distance=GUARD_DISTANCE, room=0.12, legs=True),
+    GUARD_DISTANCE + 0.3,
+)
+"""Reaction that keeps the distance in live playback, and the distance in leg lengths above which nobody kicks."""
 
 
 @dataclass(frozen=True)
 class Pair:
-    """Pair of fighters: white kicks and leans back, red wards off and punches."""
+    """Pair of fighters by character: white kicks and leans back, red wards off and punches."""
 
     white: str
     red: str
@@ -64,10 +75,10 @@ class Pair:
 
 def fight_training(pairs: int = 4) -> Project:
     """Project of the scene. Raises StudioError if a bundled file cannot be read."""
-    stuff = material(
+    stuff = source_motions(
         rest=("Rest", "straight_punch"), kick=("Kick", "front_kick"), ward_off=("Ward off, punch", "straight_punch")
     )
-    characters = {key: replace(each, grip=hand_shapes.FIST_GRIP) for key, each in bodies(2 * pairs).items()}
+    characters = {key: replace(each, grip=hand_shapes.FIST_GRIP) for key, each in varied_characters(2 * pairs).items()}
     keys = sorted(characters, key=lambda key: characters[key].morphology.stature)
     fighters = [Pair(*keys[place : place + 2]) for place in range(0, 2 * pairs, 2)]
     performers: dict[str, Performer] = {}
@@ -81,8 +92,11 @@ def fight_training(pairs: int = 4) -> Project:
         ):
             name = f"{colour} {place + 1}, {characters[key].name.lower()}"
             performers[key] = Performer(name, key, clips, (x, across), heading)
-        small = characters[pair.white].morphology.stature < CHEST_KICK_STATURE * characters[pair.red].morphology.stature
-        constraints |= _asked(pair, BEFORE_BELLY if small else POINT_BEFORE_CHEST)
+        small = (
+            characters[pair.white].morphology.stature
+            < CHEST_KICK_STATURE_FRACTION * characters[pair.red].morphology.stature
+        )
+        constraints |= _asked(pair, POINT_BEFORE_BELLY if small else POINT_BEFORE_CHEST)
     behaviours = {"white": _kicking(fighters), "red": _warding(fighters)}
     contacts = {key: each for key, each in stuff.contacts.items() if isinstance(each.point, ContactPoint)}
     # Hands on guard are near each other, but a hand that wards off must not drag the other along.
@@ -90,11 +104,16 @@ def fight_training(pairs: int = 4) -> Project:
 
 
 def _kicking(fighters: Sequence[Pair]) -> Behaviour:
-    """Behaviour of all in white, played live: they kick on a key. The constraints of the kick act in any case."""
-    guard = State("Guard", Clip("rest", 240, 340, id="guard"), manners=(AT_REACH,))
+    """Behaviour of the fighters in white for live playback: they kick when a key is pressed.
+
+    The constraints of the kick act in any case.
+    """
+    guard = State("Guard", Clip("rest", 240, 340, id="guard"), manners=(KEEP_GUARD_DISTANCE,))
     kick = State("Kick", Clip("kick", 90, 240, id="kick"), False, event="kick", place=(288.0, 0.0))
     ways = (
-        Transition("Guard", "Kick", (KeyCondition("X"), DistanceCondition(AT_REACH.gap, BEYOND_KICK)), 0.3),
+        Transition(
+            "Guard", "Kick", (KeyCondition("X"), DistanceCondition(KEEP_GUARD_DISTANCE.gap, MOST_KICK_DISTANCE)), 0.3
+        ),
         Transition("Kick", "Guard", (ClipEndCondition(),), 0.3),
     )
     cast = tuple(Role(pair.white, pair.red) for pair in fighters)
@@ -102,13 +121,13 @@ def _kicking(fighters: Sequence[Pair]) -> Behaviour:
 
 
 def _warding(fighters: Sequence[Pair]) -> Behaviour:
-    """Behaviour of all in red, played live: they wait for the leg of the partner that kicks, ward it off and punch."""
-    guard = State("Guard", Clip("rest", 240, 340, id="guard"), manners=(AT_REACH,))
+    """Behaviour of the fighters in red for live playback: they wait for the partner's kick, ward it off and punch."""
+    guard = State("Guard", Clip("rest", 240, 340, id="guard"), manners=(KEEP_GUARD_DISTANCE,))
     waits = State("Wait", Clip("rest", 240, 340, id="wait"), place=(264.0, -72.0))
     ward = State("Ward off, punch", Clip("ward_off", 100, 230, id="ward off"), False, place=(528.0, 0.0))
     ways = (
         Transition("Guard", "Wait", (EventCondition("kick"),), 0.3),
-        Transition("Wait", ward.name, (TimeCondition(WARD_DELAY - 2 / BUNDLED_FRAME_RATE),), 0.3),
+        Transition("Wait", ward.name, (TimeCondition(WARD_DELAY_SECONDS - 2 / BUNDLED_FRAME_RATE),), 0.3),
         Transition(ward.name, "Guard", (ClipEndCondition(),), 0.3),
     )
     cast = tuple(Role(pair.red, pair.white) for pair in fighters)
@@ -128,7 +147,7 @@ def _white(key: str) -> tuple[Clip, ...]:
 
 
 def _red(key: str) -> tuple[Clip, ...]:
-    wards = KICK_SECONDS + WARD_DELAY
+    wards = KICK_SECONDS + WARD_DELAY_SECONDS
     return (
         Clip("rest", 240, 339, 0.0, f"{key} before"),
         Clip("ward_off", 100, 230, wards, f"{key} ward off"),
@@ -137,29 +156,32 @@ def _red(key: str) -> tuple[Clip, ...]:
 
 
 def _asked(pair: Pair, kicked: BodyPoint) -> dict[str, Constraint]:
-    """Constraints of one pair by their ids: each is of one fighter, and follows the other's adapted body."""
+    """Constraints of one pair by id; each is on one fighter and follows the adapted body of the other.
+
+    ``kicked`` is the point of the body at which the kick is aimed.
+    """
     white, red = Scope(performer_id=pair.white), Scope(performer_id=pair.red)
     met = 100 + round(
-        ((KICK_FRAME - 90) / BUNDLED_FRAME_RATE - WARD_DELAY) * BUNDLED_FRAME_RATE
+        ((KICK_FRAME - 90) / BUNDLED_FRAME_RATE - WARD_DELAY_SECONDS) * BUNDLED_FRAME_RATE
     )  # frames of the one motion at which the other's are
-    hit = 90 + round((WARD_DELAY + (PUNCH_FRAME - 100) / BUNDLED_FRAME_RATE) * BUNDLED_FRAME_RATE)
-    guard = LOW_GUARD if kicked is BEFORE_BELLY else GUARD_CHAINS
+    hit = 90 + round((WARD_DELAY_SECONDS + (PUNCH_FRAME - 100) / BUNDLED_FRAME_RATE) * BUNDLED_FRAME_RATE)
+    guard = LOW_GUARD_CHAIN if kicked is POINT_BEFORE_BELLY else GUARD_CHAIN
     asked = (
         PositionConstraint(
-            "kick", "Kick", KICKING_ANKLE, KICK_CHAIN, 0, hit_at(KICK_FRAME), scope=white,
+            "kick", "Kick", KICKING_ANKLE_POINT, KICK_CHAIN, 0, hit_activation(KICK_FRAME), scope=white,
             target=FollowPerformer(pair.red, kicked),
         ),
         PositionConstraint(
-            "ward_off", "Forearm meets ankle", WARDING_FOREARM, guard, 0, around(met, 17, 0), scope=red,
-            target=FollowPerformer(pair.white, KICKING_ANKLE, awaits=True),
+            "ward_off", "Forearm meets ankle", WARDING_FOREARM_POINT, guard, 0, held_activation(met, 17, 0), scope=red,
+            target=FollowPerformer(pair.white, KICKING_ANKLE_POINT, awaits=True),
         ),
         PositionConstraint(
-            "ward_off", "Fist meets head", RIGHT_FIST, PUNCHING, 0, hit_at(PUNCH_FRAME), scope=red,
-            target=FollowPerformer(pair.white, CHIN, awaits=True),
+            "ward_off", "Fist meets head", RIGHT_FIST_POINT, FIGHT_PUNCH_CHAIN, 0, hit_activation(PUNCH_FRAME),
+            scope=red, target=FollowPerformer(pair.white, CHIN_POINT, awaits=True),
         ),
         PositionConstraint(
-            "kick", "Lean away", CHIN, LEAN_CHAINS, 0, around(hit, 20, 4), scope=white,
-            target=OwnPlace(CHIN, hit / BUNDLED_FRAME_RATE, BACK),
+            "kick", "Lean away", CHIN_POINT, LEAN_BACK_CHAIN, 0, held_activation(hit, 20, 4), scope=white,
+            target=OwnPlace(CHIN_POINT, hit / BUNDLED_FRAME_RATE, LEAN_BACK_OFFSET),
         ),
     )  # fmt: skip
     return {f"{pair.white} {each.name}": each for each in asked}

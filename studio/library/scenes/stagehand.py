@@ -1,4 +1,4 @@
-"""Parts of scenes: the bundled captures as motions, bodies of other proportions, and points of bodies."""
+"""Parts of the bundled scenes: captures as motions, bodies of other proportions, activations and points of bodies."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -17,22 +17,24 @@ from studio.io.project.character_file import bundled_characters
 from studio.resources_folder import example_captures_folder
 
 BUNDLED_FRAME_RATE = 60.0
-"""Frames a second of the bundled captures."""
-CHEST = BodyPoint(BodyPart.THORAX)
-HEAD_TOP = BodyPoint(BodyPart.HEAD, at_end=True)
+"""Frame rate of the bundled captures."""
+CHEST_POINT = BodyPoint(BodyPart.THORAX)
+HEAD_TOP_POINT = BodyPoint(BodyPart.HEAD, at_end=True)
 
 
 @dataclass(frozen=True, eq=False)
 class SourceMotions:
-    """Captures by their id, the motions made of them, and the contacts of each motion."""
+    """Captures by id, the motions made of them, and the contacts of each motion."""
 
     captures: Mapping[str, Capture]
     motions: Mapping[str, Motion]
     contacts: Mapping[str, ContactInterval]
 
 
-def material(**names: tuple[str, str]) -> SourceMotions:
-    """Motions by id, each ``(name, file)`` of a bundled capture; one file may be several motions."""
+def source_motions(**names: tuple[str, str]) -> SourceMotions:
+    """Motions by id (the keywords), each from ``(name, file)`` of a bundled capture; one file may give
+    several motions.
+    """
     files = dict.fromkeys(file for _, file in names.values())
     captures = {file: load_capture(example_captures_folder() / f"{file}.bvh") for file in files}
     contacts = {
@@ -43,8 +45,8 @@ def material(**names: tuple[str, str]) -> SourceMotions:
     return SourceMotions(captures, {key: Motion(name, file) for key, (name, file) in names.items()}, contacts)
 
 
-def bodies(count: int) -> dict[str, Character]:
-    """``count`` characters of different builds: the bundled ones, then the same in other proportions."""
+def varied_characters(count: int) -> dict[str, Character]:
+    """``count`` characters of different builds: the bundled ones, then the same with other proportions."""
     found = dict(bundled_characters())
     others = (
         Proportions(stature=0.93, thighs=1.06, shanks=1.06),
@@ -57,9 +59,9 @@ def bodies(count: int) -> dict[str, Character]:
     return dict(list(found.items())[:count])
 
 
-def hit_at(frame: int, ease: int = 9) -> ActivationCurve:
-    """Activation that is full in one frame and fades in and out in ``ease`` frames: a blow touches for a moment and
-    goes on.
+def hit_activation(frame: int, ease: int = 9) -> ActivationCurve:
+    """Activation that is full in ``frame`` only and fades in and out over ``ease`` frames: a blow touches
+    for a moment.
     """
     first, last = frame - 0.5, frame + 0.5
     return ActivationCurve(
@@ -71,8 +73,10 @@ def hit_at(frame: int, ease: int = 9) -> ActivationCurve:
     )
 
 
-def around(frame: int, ease: int = 14, hold: int = 3) -> ActivationCurve:
-    """Activation that is full for ``hold`` frames to each side of one, and fades in and out in ``ease`` frames."""
+def held_activation(frame: int, ease: int = 14, hold: int = 3) -> ActivationCurve:
+    """Activation that is full from ``hold`` frames before ``frame`` to ``hold`` after, and fades over
+    ``ease`` frames.
+    """
     first, last = frame - hold, frame + hold
     return ActivationCurve(
         (first - ease) / BUNDLED_FRAME_RATE,

@@ -7,6 +7,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.changed_records import with_fields
 from studio.core.constraints.base import BodyPoint
 from studio.core.stage.behaviour import Transition
+from studio.core.stage.behaviour_target import PELVIS_POINT, BehaviourTarget
 from studio.core.stage.conditions import (
     ClipEndCondition,
     Condition,
@@ -16,7 +17,6 @@ from studio.core.stage.conditions import (
     TimeCondition,
 )
 from studio.core.stage.project import Project
-from studio.core.stage.whom import PELVIS_POINT, BehaviourTarget
 from studio.panels.behaviour.part_editor import PartEditor, PointChoice, TargetChoiceRows
 from studio.panels.fields import Choice, NumberField, Section, TextField, press_button
 

@@ -351,7 +351,7 @@ class Diagram(QGraphicsView):
         ways = [(each.source, each.target) for each in behaviour.transitions]
         arrows = []
         for place, each in enumerate(behaviour.transitions):
-            order, count = edits.order_of(behaviour, place)
+            order, count = edits.transition_rank(behaviour, place)
             words = [condition_words(one, self.document.project) for one in each.conditions]
             words[0] = f"{order}  {words[0]}" if count > 1 else words[0]
             returns = each.source != each.target and (each.target, each.source) in ways

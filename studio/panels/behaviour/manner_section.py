@@ -9,15 +9,15 @@ from PySide6.QtCore import QSignalBlocker
 from studio.core.changed_records import with_fields
 from studio.core.curves.activation import ActivationCurve
 from studio.core.stage.behaviour import State
-from studio.core.stage.manners import WHOLE_CLIP, KeepDistance, LeanAway, Manner, Meet
+from studio.core.stage.behaviour_target import BehaviourTarget
 from studio.core.stage.project import Project
-from studio.core.stage.whom import BehaviourTarget
+from studio.core.stage.reactions import ACTIVE_WHOLE_CLIP, KeepDistance, LeanAway, Meet, Reaction
 from studio.panels.behaviour.condition_section import DISTANCE_UNITS
 from studio.panels.behaviour.part_editor import PartEditor, PointChoice, TargetChoiceRows
 from studio.panels.fields import Choice, NumberField, Section, check_box, press_button
 
 REACTION_TITLES: dict[type, str] = {KeepDistance: "Keep distance", LeanAway: "Lean away", Meet: "Reach for partner"}
-PutManner = Callable[[Callable[[], Manner] | None, str], None]
+PutManner = Callable[[Callable[[], Reaction] | None, str], None]
 """Function that is called with a factory of the edited reaction, or None to remove it, and the text of the undo step.
 """
 MANNER_LIMIT = 100.0
@@ -29,7 +29,7 @@ DEFAULT_REACH_ACTIVATION = ActivationCurve(0.0, 0.2, 0.8, 1.0)
 class MannerSection(Section):
     """Form section of one reaction; edits are passed to ``put``."""
 
-    def __init__(self, editor: PartEditor[State], manner: Manner, put: PutManner) -> None:
+    def __init__(self, editor: PartEditor[State], manner: Reaction, put: PutManner) -> None:
         super().__init__(REACTION_TITLES[type(manner)])
         self._manner, self._put = manner, put
         remove = press_button(
@@ -56,7 +56,7 @@ class MannerSection(Section):
             case Meet():
                 self._add_times()
 
-    def show_manner(self, manner: Manner, project: Project) -> None:
+    def show_manner(self, manner: Reaction, project: Project) -> None:
         """Show a reaction of the kind for which the section was made."""
         self._manner = manner
         self._whom.show_whom(manner.whom, project, with_point=not isinstance(manner, KeepDistance))
@@ -69,7 +69,7 @@ class MannerSection(Section):
             for field in self._numbers.values():
                 field.set_unit(manner.gap.unit)
         if isinstance(manner, Meet):
-            whole = manner.activation == WHOLE_CLIP
+            whole = manner.activation == ACTIVE_WHOLE_CLIP
             with QSignalBlocker(self._always):
                 self._always.setChecked(whole)
             for field, time in zip(self._times, ACTIVATION_TIMES, strict=True):
@@ -84,7 +84,9 @@ class MannerSection(Section):
     def _add_times(self) -> None:
         self._always = check_box("Whole clip")
         self._always.setAccessibleName("The point follows its target while the clip plays")
-        self._always.toggled.connect(lambda on: self._set(activation=WHOLE_CLIP if on else DEFAULT_REACH_ACTIVATION))
+        self._always.toggled.connect(
+            lambda on: self._set(activation=ACTIVE_WHOLE_CLIP if on else DEFAULT_REACH_ACTIVATION)
+        )
         self.add_row("Active", self._always)
         for label, names in (("Fade in (s)", ACTIVATION_TIMES[:2]), ("Fade out (s)", ACTIVATION_TIMES[2:])):
             fields = [

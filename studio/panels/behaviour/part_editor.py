@@ -7,8 +7,8 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowPerformer, FollowProp
 from studio.core.errors import StudioError
 from studio.core.stage.behaviour import Behaviour, State, Transition
+from studio.core.stage.behaviour_target import PELVIS_POINT, BehaviourTarget, FollowPartner
 from studio.core.stage.project import Project
-from studio.core.stage.whom import PELVIS_POINT, BehaviourTarget, FollowPartner
 from studio.document.behaviour_commands import BehaviourEdit, behaviour_with, edit_behaviour
 from studio.panels.behaviour.words import point_choices, point_name
 from studio.panels.editor import Editor

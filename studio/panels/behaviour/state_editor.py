@@ -8,13 +8,13 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from studio.core.changed_records import with_fields
 from studio.core.curves.keyed import KeyedNumber
-from studio.core.curves.retiming import FASTEST_CLIP, SLOWEST_CLIP, speed_at
+from studio.core.curves.retiming import FASTEST_CLIP_SPEED, SLOWEST_CLIP_SPEED, speed_at
 from studio.core.stage import behaviour_edits as edits
 from studio.core.stage.behaviour import State
 from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import players_of
-from studio.core.stage.manners import KeepDistance, LeanAway, Manner, Meet
 from studio.core.stage.project import new_id
+from studio.core.stage.reactions import KeepDistance, LeanAway, Meet, Reaction
 from studio.document.behaviour_commands import state_key
 from studio.document.document import Document
 from studio.engine.live_interface import Live
@@ -23,7 +23,9 @@ from studio.panels.behaviour.part_editor import PartEditor
 from studio.panels.fields import FIELD_ICON_PX, Choice, NumberField, Section, TextField, check_box, styled_label
 
 ADD_REACTION_LABEL = "Add reaction"
-NEW_REACTIONS: dict[str, Manner] = {REACTION_TITLES[type(each)]: each for each in (KeepDistance(), LeanAway(), Meet())}
+NEW_REACTIONS: dict[str, Reaction] = {
+    REACTION_TITLES[type(each)]: each for each in (KeepDistance(), LeanAway(), Meet())
+}
 
 
 class StateEditor(PartEditor[State]):
@@ -73,7 +75,7 @@ class StateEditor(PartEditor[State]):
         self._last = self.bind(NumberField("Last frame", "", 0, 1e6, 1, 0), lambda frame: self._trim(last=frame))
         section.add_row("Frame range", self._first, self._last)
         self._speed = self.bind(
-            NumberField("Speed", "×", SLOWEST_CLIP, FASTEST_CLIP, 0.05),
+            NumberField("Speed", "×", SLOWEST_CLIP_SPEED, FASTEST_CLIP_SPEED, 0.05),
             lambda speed: self._set_clip("Set speed", speed=speed),
         )
         section.add_row("Speed", self._speed)
@@ -117,7 +119,7 @@ class StateEditor(PartEditor[State]):
             section.show_manner(manner, self.document.project)
         self._add.show_value(None)
 
-    def _make_sections(self, manners: tuple[Manner, ...]) -> None:
+    def _make_sections(self, manners: tuple[Reaction, ...]) -> None:
         for old in self._manners:
             self._box.removeWidget(old)
             old.hide()
@@ -192,10 +194,10 @@ class StateEditor(PartEditor[State]):
             self._set(f"{self.entity.name}: {title.lower()}", manners=(*self.entity.manners, NEW_REACTIONS[title]))
 
     def _putter(self, index: int) -> PutManner:
-        def put(make: Callable[[], Manner] | None, text: str) -> None:
+        def put(make: Callable[[], Reaction] | None, text: str) -> None:
             state, manners = self.entity, self.entity.manners
 
-            def made() -> tuple[Manner, ...]:
+            def made() -> tuple[Reaction, ...]:
                 return (*manners[:index], *((make(),) if make else ()), *manners[index + 1 :])
 
             self.edit(lambda old: edits.with_state_put(old, state.name, replace(state, manners=made())), text)

@@ -7,7 +7,7 @@ from PySide6.QtWidgets import QVBoxLayout, QWidget
 
 from studio.core.changed_records import with_fields
 from studio.core.stage import behaviour_edits as edits
-from studio.core.stage.behaviour import LONGEST_BLEND, Transition
+from studio.core.stage.behaviour import LONGEST_BLEND_SECONDS, Transition
 from studio.core.stage.conditions import ClipEndCondition, Condition
 from studio.document.behaviour_commands import place_of, transition_key
 from studio.document.document import Document
@@ -29,7 +29,8 @@ class TransitionEditor(PartEditor[Transition]):
         section.add_row("From", self._source)
         section.add_row("To", self._target)
         self._blend = self.bind(
-            NumberField("Blend", "s", 0.0, LONGEST_BLEND, 0.05), lambda seconds: self._set("Set blend", blend=seconds)
+            NumberField("Blend", "s", 0.0, LONGEST_BLEND_SECONDS, 0.05),
+            lambda seconds: self._set("Set blend", blend=seconds),
         )
         self._blend.setSpecialValueText("automatic")
         section.add_row("Blend", self._blend)
@@ -65,7 +66,7 @@ class TransitionEditor(PartEditor[Transition]):
             choice.offer(names)
             choice.show_value(name)
         self._blend.show_value(transition.blend)
-        order, count = edits.order_of(self.behaviour, self.place)
+        order, count = edits.transition_rank(self.behaviour, self.place)
         self._order.setText(f"{order} of {count}")
         self._earlier.setEnabled(order > 1)
         kinds = tuple(type(each) for each in transition.conditions)

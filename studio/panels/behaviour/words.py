@@ -6,6 +6,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.stage.behaviour import State
+from studio.core.stage.behaviour_target import BehaviourTarget, FollowPartner
 from studio.core.stage.conditions import (
     Condition,
     DistanceCondition,
@@ -13,9 +14,8 @@ from studio.core.stage.conditions import (
     KeyCondition,
     TimeCondition,
 )
-from studio.core.stage.manners import ARM_POINT, FIST_POINT, HEAD_POINT, KeepDistance, LeanAway, Manner
 from studio.core.stage.project import Project
-from studio.core.stage.whom import BehaviourTarget, FollowPartner
+from studio.core.stage.reactions import ARM_POINT, FIST_POINT, HEAD_POINT, KeepDistance, LeanAway, Reaction
 from studio.document.length_units import length_text
 from studio.engine.point_names import POINT_NAMES, point_words
 
@@ -81,7 +81,7 @@ def condition_words(condition: Condition, project: Project) -> str:
     return "clip ends"
 
 
-def manner_words(manner: Manner, project: Project) -> str:
+def manner_words(manner: Reaction, project: Project) -> str:
     """Reaction of a state as text, for the box of the state."""
     whom = target_name(manner.whom, project)
     match manner:

@@ -8,7 +8,16 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QGridLayout, QLabel, QPushButton, QWidget
 
 from studio.core.body.canonical import BodyPart
-from studio.core.constraints.base import BONES, SINGLE, THIGHS, UPPER_ARMS, BodyPoint, Chain, Constraint, limb_bones
+from studio.core.constraints.base import (
+    LIMB_BONE_PARTS,
+    THIGHS,
+    UPPER_ARMS,
+    WEIGHTED_PARTS,
+    BodyPoint,
+    Chain,
+    Constraint,
+    limb_bones,
+)
 from studio.panels.editor import Editor
 from studio.panels.fields import Choice, NumberField, press_button, styled_label
 
@@ -30,7 +39,7 @@ def weightable_parts(constraint: Constraint) -> tuple[BodyPart, ...]:
     bones = [bone for each in points for bone in limb_bones(each.part)]
     if constraint.kind == "balance":
         bones = [*UPPER_ARMS, *THIGHS]
-    return (*(part for part in SINGLE if part not in BONES), *dict.fromkeys(bones))
+    return (*(part for part in WEIGHTED_PARTS if part not in LIMB_BONE_PARTS), *dict.fromkeys(bones))
 
 
 class SegmentWeights(QWidget):
@@ -45,7 +54,7 @@ class SegmentWeights(QWidget):
         grid.setHorizontalSpacing(8)
         grid.setVerticalSpacing(2)
         grid.setColumnStretch(0, 1)
-        for place, part in enumerate(SINGLE):
+        for place, part in enumerate(WEIGHTED_PARTS):
             field = self._editor.bind(weight_field(f"Weight override of {part.label}"), partial(self.put, part))
             remove = press_button("−", partial(self._remove, part))
             remove.setAccessibleName(f"Remove weight override of {part.label}")
@@ -58,7 +67,7 @@ class SegmentWeights(QWidget):
         self._add.setPlaceholderText("Add segment weight…")
         self._add.setToolTip("Override the weight of one segment. The abdomen is the spine below the chest.")
         self._add.value_chosen.connect(self._give)
-        grid.addWidget(self._add, len(SINGLE), 0, 1, 3)
+        grid.addWidget(self._add, len(WEIGHTED_PARTS), 0, 1, 3)
 
     def refresh(self) -> None:
         """Update the weights."""
@@ -80,7 +89,7 @@ class SegmentWeights(QWidget):
         )
 
     def _give(self, part: BodyPart) -> None:
-        balances = self._editor.entity.kind == "balance" and part in BONES
+        balances = self._editor.entity.kind == "balance" and part in LIMB_BONE_PARTS
         self._change(
             lambda chain: (*chain.segments, (part, chain.recruited(part) if balances else chain.weight(part))),
             f"Override weight of {part.label.lower()}",

@@ -7,11 +7,11 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QHBoxLayout, QLineEdit, QTreeWidget, QTreeWidgetItem, QVBoxLayout, QWidget
 
 from studio.core.markers.marker_map import MarkerMap, seen_labels
-from studio.core.markers.roles import ROLE, ROLES, SIDE_WORDS
+from studio.core.markers.roles import ROLES, ROLES_BY_ID, SIDE_WORDS
 from studio.core.markers.take import MarkerTake
 from studio.core.markers.trial import label_without_subject, seen_mask, subject_of
 from studio.document import colours
-from studio.io.markers.maps import find_map, fitted, known_maps, save_map
+from studio.io.markers.maps import find_map, fitted_map, known_maps, save_map
 from studio.panels.fields import FIELD_ICON_PX, Choice, Section, press_button, styled_label
 from studio.panels.markers.cloud import MarkerCloud
 from studio.panels.markers.marker_figure import MarkerFigure
@@ -149,7 +149,7 @@ class MarkerAssistant(QWidget):
             self.marker_map = find_map(self._trial, self.subject)
         else:
             assert isinstance(chosen, MarkerMap)
-            self.marker_map = fitted(chosen, self._labels())
+            self.marker_map = fitted_map(chosen, self._labels())
         with QSignalBlocker(self.name):
             self.name.setText(self.marker_map.name)
         self._set(self.marker_map)
@@ -190,7 +190,7 @@ class MarkerAssistant(QWidget):
     def _show(self) -> None:
         markers = self.marker_map.markers
         self.figure.show_map(markers, self._role)
-        role = ROLE[self._role]
+        role = ROLES_BY_ID[self._role]
         own = markers.get(self._role, ())
         self.marked.emit(own)
         self._place.setText(f"{role.words}: {', '.join(own) if own else 'no marker'}")
@@ -203,7 +203,7 @@ class MarkerAssistant(QWidget):
         places: dict[str, list[str]] = {}
         for role, labels in markers.items():
             for label in labels:
-                places.setdefault(label, []).append(ROLE[role].words)
+                places.setdefault(label, []).append(ROLES_BY_ID[role].words)
         for place in range(self.list.topLevelItemCount()):
             item = self.list.topLevelItem(place)
             assert item is not None

@@ -6,7 +6,7 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QHelpEvent, QMouseEvent, QPainter, QPainterPath, QPaintEvent, QPen
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
-from studio.core.markers.roles import ROLE, ROLES
+from studio.core.markers.roles import ROLES, ROLES_BY_ID
 from studio.document import colours
 
 ROLE_FIGURE_WIDTH, ROLE_FIGURE_HEIGHT = 300, 520
@@ -52,7 +52,7 @@ class MarkerFigure(QWidget):
 
     def place_of(self, role: str) -> QPointF:
         """Widget position of a body location."""
-        return _place(*ROLE[role].spot)
+        return _place(*ROLES_BY_ID[role].spot)
 
     def role_at(self, point: QPointF) -> str:
         """Id of the body location at a position of the widget; empty if there is none."""
@@ -81,7 +81,7 @@ class MarkerFigure(QWidget):
             role = self.role_at(QPointF(event.pos()))
             if role:
                 labels = ", ".join(self._markers.get(role, ())) or "no marker"
-                QToolTip.showText(event.globalPos(), f"{ROLE[role].words}: {labels}", self)
+                QToolTip.showText(event.globalPos(), f"{ROLES_BY_ID[role].words}: {labels}", self)
             else:
                 QToolTip.hideText()
             return True

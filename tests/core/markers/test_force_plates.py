@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from studio.core.markers.force_plates import plate_force, plate_loads, plate_reactions, plates_height, sample_times
-from studio.core.markers.trial import METRES, AnalogSignals, ForcePlate
+from studio.core.markers.trial import TRIAL_UNIT_METRES, AnalogSignals, ForcePlate
 from studio.io.c3d.reader import read_c3d
 from studio.io.c3d.writer import write_c3d
 from tests.io.trials import make_trial
@@ -106,9 +106,9 @@ def test_steps_on_a_plate_are_those_frames_in_which_it_is_loaded(sign: float, of
 @pytest.mark.parametrize("unit", ["m", "mm", "cm", "inch"])
 @pytest.mark.parametrize("said", ["m", "mm"])
 def test_corners_in_another_unit_than_the_points_still_say_where_the_floor_is(unit: str, said: str) -> None:
-    corners = (CORNERS + np.array([0.0, 0.0, 0.5])) / METRES[unit]
+    corners = (CORNERS + np.array([0.0, 0.0, 0.5])) / TRIAL_UNIT_METRES[unit]
     trial = replace(make_trial(), unit=said, plates=(ForcePlate(2, corners, np.zeros(3), tuple(range(6))),))
-    assert trial.metres_of_plates == METRES[unit]
+    assert trial.metres_of_plates == TRIAL_UNIT_METRES[unit]
     assert plates_height(trial, np.eye(3), 0.52) == pytest.approx(0.5)
 
 

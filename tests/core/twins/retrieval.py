@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from studio.core.clip_search import PoseQuery, SearchMatch, SearchTable, pose_distances
 from studio.core.kernels import pose_search as at
-from studio.core.retrieval import PoseQuery, SearchMatch, SearchTable, pose_distances
 
 
 def brute_force(table: SearchTable, query: PoseQuery, count: int, allowed: np.ndarray) -> list[SearchMatch]:

@@ -14,7 +14,7 @@ from studio.core.constraints.clear import ClearConstraint
 from studio.core.kernels.limits import arm_clearance as kernel
 from studio.core.kernels.limits.self_collision import TASK_ABOVE, TASK_BELOW, TASK_BESIDE, TASK_IS_CONTACT
 from studio.core.kernels.records import CapsuleArrays, ClearanceArrays
-from studio.core.mesh.volume import PROBES, BodyVolume, usual_volume
+from studio.core.mesh.volume import ARM_PROBES, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize_motion
 from studio.core.project_cache import project_cache
@@ -50,7 +50,7 @@ def pack_clearance(
     """
     if not clears:
         return _no_clearance(len(others))
-    shape = (activations.shape[1], 2, len(PROBES))
+    shape = (activations.shape[1], 2, len(ARM_PROBES))
     own, displacements = np.zeros(shape), np.zeros((*shape, 3))
     if standing.actor is not None:
         actor_has = actor_clearances(standing.motion, standing.actor)
@@ -96,7 +96,7 @@ def activations_by_tier(activations: FloatArray, clearance: ClearanceArrays) -> 
 def _no_clearance(others: int) -> ClearanceArrays:
     """Arrays without self-collision constraints."""
     volume = BodyVolume(np.empty((0, 2), np.int64), np.empty((0, 2, 3)), np.empty((0, 2)), np.empty(0))
-    none, clearances = np.empty((0, 0)), np.empty((0, 2, len(PROBES)))
+    none, clearances = np.empty((0, 0)), np.empty((0, 2, len(ARM_PROBES)))
     above = np.empty((0, others), np.int64)
     target, displacements, tiers = (
         np.empty((0, *clearances.shape)),
@@ -133,7 +133,7 @@ def clearances_of(
     body: AnyMorphology, volume: BodyVolume, positions: FloatArray, rotations: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Signed distances (F, 2, 5) of posed frames (F, P, 3), (F, S, 3, 3), and outward directions (F, 2, 5, 3)."""
-    found = np.empty((len(positions), 2, len(PROBES)))
+    found = np.empty((len(positions), 2, len(ARM_PROBES)))
     displacements = np.empty((*found.shape, 3))
     kernel.measure_clip_distances(
         packed_volume(volume), np.array(body.layout.proximal_points()), positions, rotations, found, displacements

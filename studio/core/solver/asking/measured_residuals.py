@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.target import follows_of, own_places_of
-from studio.core.curves.activation import FULLY_ACTIVE
+from studio.core.curves.activation import LEAST_FULL_ACTIVATION
 from studio.core.solver.asking.kinds.known import solver_kind_of
 from studio.core.solver.asking.kinds.orientation import angle_to
 from studio.core.solver.asking.kinds.position import distance_to
@@ -84,7 +84,7 @@ def with_residuals_remeasured(adapted: AdaptedMotion, request: AdaptRequest) -> 
     targets = Targets(times, known, masses, body.leg_length)
     before = adapted.residuals[rows]
     measured = full_residuals(followers, targets, replace(adapted, residuals=before))
-    full = np.array([each.activation.at(times) >= FULLY_ACTIVE for each in followers])
+    full = np.array([each.activation.at(times) >= LEAST_FULL_ACTIVATION for each in followers])
     residuals = np.array(adapted.residuals)
     residuals[rows] = np.where(full & np.isfinite(before), measured, before)
     return replace(adapted, residuals=residuals)

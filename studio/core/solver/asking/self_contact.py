@@ -24,7 +24,7 @@ from studio.core.kernels.limits.hand_contact import (
     solve_hand_hand_contact,
 )
 from studio.core.kernels.records import HAND_CONTACT, ActorClearance
-from studio.core.mesh.volume import CAPSULES_OF, BodyVolume, usual_volume
+from studio.core.mesh.volume import PART_CAPSULES, BodyVolume, usual_volume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize_motion
 from studio.core.normalized.touching import PalmPositions, palm_positions
@@ -355,9 +355,9 @@ def hand_contacts_of(motion: NormalizedMotion, actor: Morphology, touches: tuple
     layout, volume = actor.layout, usual_volume(actor)
     resting = []
     for each in touches:
-        if not isinstance(each.point, Touch) or each.point.member not in CAPSULES_OF:
+        if not isinstance(each.point, Touch) or each.point.member not in PART_CAPSULES:
             continue
-        members = CAPSULES_OF[each.point.member]
+        members = PART_CAPSULES[each.point.member]
         near = [palm_positions(each.point.side, capsule, actor, volume, positions, rotations) for capsule in members]
         firm = _contact_weights((each,), motion)
         resting.append(HandBodyContact(each.point.side, np.array(members), firm, _contact_points(near, each)))

@@ -8,10 +8,10 @@ from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.constraints.area import AreaConstraint, AreaShape
 from studio.core.constraints.base import BodyPoint, Chain
-from studio.core.mesh.volume import CAPSULES_OF, BodyVolume
+from studio.core.mesh.volume import PART_CAPSULES, BodyVolume
 
 ARM_CHAIN, LEG_CHAIN, TRUNK_CHAIN = Chain(trunk=0.3), Chain(root=1.0), Chain(trunk=0.5, root=1.0)
-TRUNK_ROWS = CAPSULES_OF["hips"][0], CAPSULES_OF["trunk"][0], CAPSULES_OF["trunk"][2]
+TRUNK_ROWS = PART_CAPSULES["hips"][0], PART_CAPSULES["trunk"][0], PART_CAPSULES["trunk"][2]
 """Capsules of one side of the trunk, from the lowest to the highest."""
 HAND_SHARE = 0.77
 """Margin of a wrist in hand lengths: the hand hangs from it, and a second point on one limb would pull against it."""
@@ -42,9 +42,10 @@ def areas_of(area: AreaConstraint, body: Morphology, volume: BodyVolume) -> tupl
 def _points(body: Morphology, volume: BodyVolume) -> list[tuple[BodyPoint, float, Chain]]:
     """Points of a body, the metres around them that its skin takes up, and the chains that keep them away."""
     hands, (elbow, *_) = np.linalg.norm(body.hand, axis=1), volume.girths.tolist()
-    knee, head = (float(volume.radii[CAPSULES_OF[part][0], 1]) for part in ("thigh", "head"))
+    knee, head = (float(volume.radii[PART_CAPSULES[part][0], 1]) for part in ("thigh", "head"))
     fronts = [
-        (volume.places[row, :, 0] + volume.radii[row]).tolist() for row in CAPSULES_OF["hips"] + CAPSULES_OF["trunk"]
+        (volume.places[row, :, 0] + volume.radii[row]).tolist()
+        for row in PART_CAPSULES["hips"] + PART_CAPSULES["trunk"]
     ]
     low, middle, top = (max(fronts[row]) for row in (0, 2, 4))
     limbs = [

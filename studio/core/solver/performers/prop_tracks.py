@@ -12,7 +12,7 @@ from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import AnyMorphology
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowProp
-from studio.core.curves.activation import EASE_PEAK, EaseShape, ease
+from studio.core.curves.activation import QUINTIC_PEAK_SLOPE, EaseShape, ease
 from studio.core.curves.keyed import KeyedNumber, KeyedTurn
 from studio.core.rotations import rotations_about_z, to_matrix
 from studio.core.solver.asking.points import point_indices
@@ -146,7 +146,7 @@ def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mappin
 
 def hand_over_seconds(distance: float) -> float:
     """Seconds in which a prop is moved ``distance`` metres into the hands."""
-    return max(HANDING, EASE_PEAK * distance / LIFTING)
+    return max(HANDING, QUINTIC_PEAK_SLOPE * distance / LIFTING)
 
 
 def _at(moment: float, places: Sequence[int], prop: Prop, hands: Mapping[str, Hands]) -> Track:

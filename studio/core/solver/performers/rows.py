@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from studio.core.constraints.base import Constraint
-from studio.core.constraints.carried_over import NEVER, ClipTransform, constraint_on_clip
+from studio.core.constraints.carried_over import NEVER_ACTIVE, ClipTransform, constraint_on_clip
 from studio.core.curves.keyed import KeyedNumber
 from studio.core.curves.retiming import playing_seconds
 from studio.core.normalized.compose import Composite
@@ -166,7 +166,7 @@ def constraints_in(
         while goes_on(each, until + 1):
             until += 1
         whole = constraint_on_clip(each.constraint, replace(carries[place], last=carries[until].last))
-        return replace(whole, activation=NEVER) if goes_on(each, place) else whole
+        return replace(whole, activation=NEVER_ACTIVE) if goes_on(each, place) else whole
 
     return tuple(carried(each) for each in asked)
 

@@ -132,7 +132,7 @@ def find_footprints(
     """
     first, last, middle, of_episode = np.array(_spans(states), dtype=np.int64).reshape(-1, 4).T
     soles = soles_of(ankles[middle], feet[middle], at_frames(measures, middle))
-    nudges = ground.nudges(soles)[of_episode]
+    nudges = ground.foothold_offsets(soles)[of_episode]
     level = np.column_stack([soles[:, 1], np.full(len(soles), ground.height)])
     placed = soles + nudges[:, None]
     for _ in range(_SETTLING):

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from studio.core.kernels.support.sole import HEEL_PAD_FRACTION, HEEL_STANDS
 from studio.core.normalized.differences import rotation_vectors
 from studio.core.normalized.transition import (
-    MOST_TRANSITION,
+    MOST_TRANSITION_SECONDS,
     remaining_offset_fraction,
     remaining_speed_offset,
     speed_decay_times,
@@ -126,7 +126,7 @@ class HeldFoot:
     def rest(self) -> int:
         """First such frame; 0 if it comes late, or after a flight."""
         rests = int(self._whole.argmax())
-        soon = self._whole.any() and 2.0 * rests <= MOST_TRANSITION * self.rate
+        soon = self._whole.any() and 2.0 * rests <= MOST_TRANSITION_SECONDS * self.rate
         return rests if soon and self.states[:rests].all() else 0
 
     @cached_property

@@ -23,10 +23,10 @@ from studio.core.normalized.differences import rotation_vectors
 from studio.core.normalized.encode import encode_motion
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.transition import (
-    LEAST_TRANSITION,
+    LEAST_TRANSITION_SECONDS,
+    offset_decay_seconds,
     remaining_offset_fraction,
     remaining_speed_offset,
-    seconds_of,
     speed_decay_times,
 )
 from studio.core.rotations import from_matrix, sign_continuous
@@ -188,13 +188,15 @@ class _Change:
     @cached_property
     def seconds(self) -> float:
         """Duration of the decay, except for feet."""
-        return self.given or max(seconds_of(np.linalg.norm(self.turns[1], axis=1), self.peaks), self.root_seconds)
+        return self.given or max(
+            offset_decay_seconds(np.linalg.norm(self.turns[1], axis=1), self.peaks), self.root_seconds
+        )
 
     @cached_property
     def root_seconds(self) -> float:
         """Duration of the decay of the root's offset."""
         displacement = np.linalg.norm(self.seen.positions[1, 0] - self.own.positions[1, 0]) / self.leg
-        return self.given or seconds_of(np.array([displacement]), np.array([self.root_peak]))
+        return self.given or offset_decay_seconds(np.array([displacement]), np.array([self.root_peak]))
 
     def left(self, gaps: FloatArray, peak: float, scale: float = 1.0, seconds: float = 0.0) -> FloatArray:
         """Remainder (F, N) of ``gaps`` (2, N), the last two differences; ``scale`` converts them to radians."""
@@ -225,10 +227,10 @@ class _Change:
         joints = np.linalg.norm(self.turns[1], axis=1)
         rotation_matrices = [abs(foot.heading) for foot in self.feet]
         stepping = [
-            seconds_of(np.array(each), leg[:2])
+            offset_decay_seconds(np.array(each), leg[:2])
             for *each, leg in zip(displacements, rotation_matrices, self.legs, strict=True)
         ]
-        swinging = [seconds_of(joints[legs], self.peaks[legs]) for legs in self.leg_segments]
+        swinging = [offset_decay_seconds(joints[legs], self.peaks[legs]) for legs in self.leg_segments]
         needed = np.array([stepping, swinging])
         own = self.standing.footing.states[:, self.first :]
         return flights_of(own, self.seen.states, displacements, needed, self.given, self.rate, self.planned)
@@ -312,7 +314,7 @@ class _Change:
             motion.channels[on], rows if len(rows) == 1 else rows[on], rotations[on], ankles,
             np.ascontiguousarray(footing.soft_thresholds[:, on]), np.ascontiguousarray(footing.states[:, on]), needed,
         )  # fmt: skip
-        return smooth_drops(needed, self.rate) * (1.0 - remaining_offset_fraction(self.times, LEAST_TRANSITION))
+        return smooth_drops(needed, self.rate) * (1.0 - remaining_offset_fraction(self.times, LEAST_TRANSITION_SECONDS))
 
     def swung_foot(
         self, side: int, flight: FootFlight, base: FootPath, positions: FloatArray, rotations: FloatArray

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from studio.core.body.joint_limits import WRIST
+from studio.core.body.joint_limits import WRIST_RANGE
 from studio.core.body.morphology import AnyMorphology
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.support.heel_roll import LEAST_ROLL_GAIN
@@ -98,7 +98,7 @@ def _bend_hand(side: int, free: FloatArray, posed: _PosedBody) -> None:
     ahead, forearm = fingers / lengths[:, None], normalized(positions[:, wrist] - positions[:, wrist - 1])
     back = normalized(across(back, ahead))
     own = np.arctan2(-np.sum(forearm * back, axis=1), np.sum(forearm * ahead, axis=1))
-    most = np.maximum(np.minimum(np.radians(WRIST.radii[0]) - own, np.arctan2(-ahead[:, 2], back[:, 2])), 1e-3)
+    most = np.maximum(np.minimum(np.radians(WRIST_RANGE.radii[0]) - own, np.arctan2(-ahead[:, 2], back[:, 2])), 1e-3)
     rises = smooth_drops(smooth_penetrations(heights, margin), frame_rate) / lengths
     bends = most * np.tanh(rises / np.maximum(back[:, 2], LEAST_ROLL_GAIN) / most)
     bends *= free * smoothstep_array(np.clip(1.0 + 2.0 * back[:, 2], 0.0, 1.0))

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnyMorphology, Morphology
 from studio.core.captures.contacts import ContactInterval, ground_contacts
-from studio.core.compact_array import CompactArray, PoseArray, single
+from studio.core.compact_array import CompactArray, PoseArray, compact_array
 from studio.core.grounds.ground import Ground
 from studio.core.kernels import records
 from studio.core.kernels.solve_clip import place_frames
@@ -63,7 +63,7 @@ class GroundedMotion:
         """Poses before constraints."""
         return UnconstrainedPoses(self.positions, self.rotations)
 
-    def kept(self, store: Callable[[PoseArray], CompactArray] = single) -> "GroundedMotion":
+    def kept(self, store: Callable[[PoseArray], CompactArray] = compact_array) -> "GroundedMotion":
         """Copy with poses in half the memory, see ``core.compact_array``; ``store`` chooses where."""
         footing = replace(self.footing, feet=store(self.footing.feet), toes=store(self.footing.toes))
         return replace(self, footing=footing, positions=store(self.positions), rotations=store(self.rotations))

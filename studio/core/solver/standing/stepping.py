@@ -7,9 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.normalized.blending import BLEND_STEP_SECONDS, STEP_HEIGHT, STEP_HEIGHTS
-from studio.core.normalized.joining import SAME_PLACE
-from studio.core.normalized.transition import LEAST_TRANSITION, MOST_TRANSITION, remaining_offset_fraction
+from studio.core.normalized.blending import BLEND_STEP_SECONDS, STEP_HEIGHT_FRACTION, STEP_HEIGHT_RANGE
+from studio.core.normalized.joining import SAME_FOOTHOLD_DISTANCE
+from studio.core.normalized.transition import (
+    LEAST_TRANSITION_SECONDS,
+    MOST_TRANSITION_SECONDS,
+    remaining_offset_fraction,
+)
 from studio.core.runs import runs_of
 
 FloatArray = NDArray[np.float64]
@@ -65,22 +69,22 @@ def flights_of(
 
     ``displacements`` (2,) leg lengths to its own position, ``needed`` (2, 2) seconds to get there from the ground, and
     through the air; all steps together take ``given`` seconds, 0 as many as they need. A foot steps while the other one
-    stands; a foot that the motion lifts before uses that flight. One that is lifted within ``LEAST_TRANSITION``
+    stands; a foot that the motion lifts before uses that flight. One that is lifted within ``LEAST_TRANSITION_SECONDS``
     leaves at once. Where steps are ``planned``, a foot in the air takes the time and the height of a step to a
     position aside.
     """
     flights: dict[int, FootFlight] = {}
-    shifted = 0 if given else round(LEAST_TRANSITION * rate)
-    stays = np.array([_run(each) for each in own]) >= min(LEAST_TRANSITION * rate, own.shape[1])
+    shifted = 0 if given else round(LEAST_TRANSITION_SECONDS * rate)
+    stays = np.array([_run(each) for each in own]) >= min(LEAST_TRANSITION_SECONDS * rate, own.shape[1])
     standing = stays & ((seen & own[:, 0]) != 0)
-    steps = standing & (displacements >= SAME_PLACE)
+    steps = standing & (displacements >= SAME_FOOTHOLD_DISTANCE)
     free = 0
     for side in sorted(range(2), key=lambda side: bool(standing[side])):
         leaves, height, seconds = 0, 0.0, needed[1, side]
         swings = not standing[side] and (own[side, 0] or not seen[side])  # else the motion itself lifts it at once
-        if planned and swings and displacements[side] >= SAME_PLACE:
+        if planned and swings and displacements[side] >= SAME_FOOTHOLD_DISTANCE:
             height = step_height(displacements[side])
-            seconds = max(seconds, LEAST_TRANSITION + SWING_PACE * displacements[side])
+            seconds = max(seconds, LEAST_TRANSITION_SECONDS + SWING_PACE * displacements[side])
             if own[side, 0]:
                 seconds = min(seconds, max(_run(own[side]) / rate / 2.0, SHORTEST_SWING))
         if standing[side]:
@@ -92,7 +96,7 @@ def flights_of(
             if steps[side]:
                 other, free = own[1 - side], max(free, shifted)
                 leaves, until = _free_to_step(other, free, round(least * rate))
-                if leaves > MOST_TRANSITION * rate:  # by then the body has gone on: rather a hop
+                if leaves > MOST_TRANSITION_SECONDS * rate:  # by then the body has gone on: rather a hop
                     leaves, until = free, free
                 seconds = min(seconds, max((until - leaves) / rate, least))
             if leaves >= _run(own[side]):
@@ -107,7 +111,7 @@ def flights_of(
 
 def step_height(displacement: float) -> float:
     """Lift in leg lengths of a foot that steps over a ``displacement`` in leg lengths."""
-    return float(np.clip(STEP_HEIGHT * displacement, *STEP_HEIGHTS))
+    return float(np.clip(STEP_HEIGHT_FRACTION * displacement, *STEP_HEIGHT_RANGE))
 
 
 def _free_to_step(other: States, free: int, frames: int) -> tuple[int, int]:
@@ -138,8 +142,8 @@ def carrying(states: States, rate: float) -> FloatArray:
     """
     times, fractions = np.arange(1, len(states) + 1) / rate, np.ones(len(states))
     for leaves, lands in runs_of(states == 0):
-        until = remaining_offset_fraction(times - (leaves / rate - LEAST_TRANSITION), LEAST_TRANSITION)
-        fractions *= until + 1.0 - remaining_offset_fraction(times - lands / rate, LEAST_TRANSITION)
+        until = remaining_offset_fraction(times - (leaves / rate - LEAST_TRANSITION_SECONDS), LEAST_TRANSITION_SECONDS)
+        fractions *= until + 1.0 - remaining_offset_fraction(times - lands / rate, LEAST_TRANSITION_SECONDS)
     return fractions
 
 
@@ -153,7 +157,7 @@ def _lifted(own: States, needed: float, rate: float) -> FootFlight:
     """First own flight of the motion that lasts long enough."""
     stands = [*runs_of(own != 0), (len(own), 2 * len(own))]
     for (leaves, lands), (_, next_leaves) in zip(runs_of(own == 0), stands[1:], strict=False):
-        if lands - leaves >= LEAST_TRANSITION * rate or lands == len(own):
+        if lands - leaves >= LEAST_TRANSITION_SECONDS * rate or lands == len(own):
             late = min(leaves + round(needed * rate), (lands + next_leaves) // 2)
             lands = min(max(lands, late), len(own))
             return FootFlight(leaves, lands, min(needed, (lands - leaves) / rate), held=True)
@@ -166,6 +170,8 @@ def _landing(own: States, earliest: int, rate: float) -> int:
     """
     for first, stop in runs_of(own != 0):
         lands = max(first, earliest)
-        if lands < stop and (stop - lands >= min(LEAST_TRANSITION * rate, (stop - first) / 2.0) or stop == len(own)):
+        if lands < stop and (
+            stop - lands >= min(LEAST_TRANSITION_SECONDS * rate, (stop - first) / 2.0) or stop == len(own)
+        ):
             return lands
     return len(own)

@@ -12,16 +12,17 @@ from studio.library.clip_labels import ClipLabel, HitSegment, Limb, hit_point
 
 FloatArray = NDArray[np.float64]
 
-NEAR_ITS_REACH = 0.85
-"""Fraction of the reach at the hit from which on a limb can hit."""
+HIT_REACH_FRACTION = 0.85
+"""Fraction of the limb's reach at the hit; the clip can hit in frames with at least this reach."""
 HIT_SEARCH_SECONDS = 0.15
 """Maximum seconds before and after the hit in which the limb can hit."""
 
 
 @dataclass(frozen=True, eq=False)
 class HitPath:
-    """Path of the hit point in frames ``first`` to ``last`` (both included), in which the clip can hit: ``places`` (T,
-    3) in metres, in the motion's space on the actor's body.
+    """Path of the hit point in the frames ``first`` to ``last``, both included, in which the clip can hit.
+
+    ``places`` (T, 3) are in metres, in the space of the motion on the actor's body.
     """
 
     first: int
@@ -35,14 +36,15 @@ class HitPath:
 
 
 def hit_path(positions: FloatArray, rotations: FloatArray, body: Morphology, rate: float, label: ClipLabel) -> HitPath:
-    """Path of a clip's hit point, from a motion on its actor's body: positions (F, K+23, 3), rotations (F,
-    K+18, 3, 3).
+    """Path of the hit point of the clip ``label``, for a motion on its actor's body with ``rate`` frames per second.
+
+    ``positions`` (F, K+23, 3) and ``rotations`` (F, K+18, 3, 3) are those of the posed body.
     """
-    places = hit_places(positions, rotations, body, label.limb, label.segment)
+    places = hit_point_positions(positions, rotations, body, label.limb, label.segment)
     root = positions[:, limb_root(body.layout, label.limb)]
     reach = np.linalg.norm((places - root)[:, :2], axis=1)
     most = int(np.ceil(HIT_SEARCH_SECONDS * rate))
-    able = reach >= NEAR_ITS_REACH * reach[label.hit]
+    able = reach >= HIT_REACH_FRACTION * reach[label.hit]
     first = last = label.hit
     while first - 1 > max(label.first, label.hit - most) and able[first - 1]:
         first -= 1
@@ -51,7 +53,7 @@ def hit_path(positions: FloatArray, rotations: FloatArray, body: Morphology, rat
     return HitPath(first, last, places[first : last + 1])
 
 
-def hit_places(
+def hit_point_positions(
     positions: FloatArray, rotations: FloatArray, body: Morphology, limb: Limb, segment: HitSegment
 ) -> FloatArray:
     """Positions (F, 3) of a hit point on a body, in metres."""
@@ -61,12 +63,12 @@ def hit_places(
 
 
 def limb_root(layout: BodyLayout, limb: Limb) -> int:
-    """Index of the point about which a limb swings: shoulder or hip."""
+    """Index of the canonical point about which a limb swings: shoulder or hip."""
     return layout.collar_point(limb.side) + 1 if limb.is_arm else layout.hip_point(limb.side)
 
 
 def limb_size(body: Morphology, limb: Limb) -> float:
-    """Length in metres from the root along the bones to the end of a limb: the size(Limb) of P09 equation 1."""
+    """Length in metres along the bones from the root of a limb to its end: size(Limb) of P09 equation 1."""
     side = limb.side
     if limb.is_arm:
         hand = 0.5 * float(np.linalg.norm(body.hand[side]))

@@ -1,4 +1,4 @@
-"""Target of a behaviour (the partner of its performer, a given performer or a prop) and the distance to it."""
+"""Target of a reaction or condition (the partner, a given performer or a prop), and the distance to it."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -12,7 +12,7 @@ PELVIS_POINT = BodyPoint(BodyPart.PELVIS)
 
 @dataclass(frozen=True)
 class FollowPartner:
-    """``point`` of the partner of the performer that plays the behaviour."""
+    """Target: ``point`` on the body of the partner of the performer that plays the behaviour."""
 
     kind: ClassVar[str] = "follow_partner"
     point: BodyPoint = PELVIS_POINT
@@ -21,15 +21,15 @@ class FollowPartner:
 BehaviourTarget = FollowPartner | FollowPerformer | FollowProp
 
 
-def followed_by(whom: BehaviourTarget, partner_id: str) -> FollowPerformer | FollowProp | None:
-    """Target with the partner filled in; None if the target is the partner and there is none (an empty id)."""
+def resolved_target(whom: BehaviourTarget, partner_id: str) -> FollowPerformer | FollowProp | None:
+    """Target ``whom`` with the partner filled in; None if it is the partner and ``partner_id`` is empty."""
     if not isinstance(whom, FollowPartner):
         return whom
     return FollowPerformer(partner_id, whom.point) if partner_id else None
 
 
 def reference_of(whom: BehaviourTarget) -> tuple[tuple[str, str], ...]:
-    """(collection, id) of the given performer or prop; empty for the partner."""
+    """(collection, id) of the performer or prop that the target names; empty for the partner."""
     match whom:
         case FollowPerformer():
             return (("performers", whom.performer_id),)
@@ -40,9 +40,10 @@ def reference_of(whom: BehaviourTarget) -> tuple[tuple[str, str], ...]:
 
 @dataclass(frozen=True)
 class DistanceMeasure:
-    """Distance from ``point`` of the behaviour's performer to a point of ``whom``; horizontal only if ``flat``.
+    """Distance from ``point`` of the performer to a point of the target ``whom``; only its horizontal part if ``flat``.
 
-    In metres, or in ``legs``: leg lengths, the mean of both, so that one behaviour fits bodies of any size.
+    It is in metres or, if ``legs``, in leg lengths (mean of both bodies), so that one behaviour fits bodies of any
+    size.
     """
 
     whom: BehaviourTarget = FollowPartner()

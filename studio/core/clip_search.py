@@ -1,7 +1,8 @@
-"""Search in a motion library: the clip, and its frame, that hits a target best (P09 section 3.3).
+"""Search in a motion library for the clip, and its start frame, that hits a target best (P09 section 3.3).
 
-Poses are compared modulo a rotation about Z and a translation (Kovar et al. 2002), hits by the distance of the path of
-the hit point from the target. The result is exact, as if every frame were tried. METHOD (39) has the equations.
+Poses are compared modulo a rotation about Z and a horizontal translation (Kovar et al. 2002), hits by the distance from
+the target to the path of the hit point. The result is exact, as if every frame were tried. METHOD (39) has the
+equations.
 """
 
 from dataclasses import dataclass
@@ -18,21 +19,24 @@ Rows = NDArray[np.float32]
 IntArray = NDArray[np.int64]
 
 BLOCK_FRAMES = 8
-"""Number of frames in a block, whose cost is bounded by that of its middle frame."""
+"""Number of frames in a block; the cost of the middle frame bounds that of the others."""
 BYTES_A_FRAME = 4 * at.POSE_WIDTH + (4 * at.POSE_WIDTH + 8 * (1 + 4 + 3 + 1)) // BLOCK_FRAMES
-"""Bytes of a frame in the table of poses (on disk until they are read) and in the blocks (in memory)."""
+"""Bytes of one frame in the table of poses (on disk until they are read) and in the blocks (in memory)."""
 
 
-def searched_points(layout: BodyLayout) -> IntArray:
-    """(20,) canonical points by which poses are compared."""
+def compared_points(layout: BodyLayout) -> IntArray:
+    """Indices (20,) of the canonical points by which poses are compared."""
     arms = [layout.collar_point(side) + k for side in (0, 1) for k in (1, 2, 3, 4)]
     legs = [layout.hip_point(side) + k for side in (0, 1) for k in (0, 1, 2, 3)]
     return np.array([0, layout.neck_base, layout.head_joint, layout.head_end, *arms, *legs])
 
 
 def pose_rows(positions: FloatArray, layout: BodyLayout) -> Rows:
-    """(F, 64) pose rows of bodies (F, P, 3) above the ground, with equal weights of all points."""
-    points = positions[:, searched_points(layout)]
+    """Rows (F, 64) that represent poses in the search, with equal weights of all compared points.
+
+    ``positions`` (F, P, 3) are points of bodies, in metres above the ground.
+    """
+    points = positions[:, compared_points(layout)]
     rows = np.zeros((len(points), at.POSE_WIDTH), dtype=np.float32)
     middle = points[..., :2].mean(axis=1)
     rows[:, at.POSE_CENTRE : at.POSE_CENTRE + 2] = middle
@@ -45,14 +49,16 @@ def pose_rows(positions: FloatArray, layout: BodyLayout) -> Rows:
 
 
 def row_points(rows: ArrayLike) -> FloatArray:
-    """(..., 20, 3) metres of the searched points of pose rows (..., 64), about their middle and above the ground."""
+    """Points (..., 20, 3) in metres of pose rows (..., 64): horizontally relative to their centroid, vertically above
+    the ground.
+    """
     poses = np.asarray(rows, dtype=np.float64) / np.sqrt(1.0 / at.POSE_JOINTS)
     return np.stack([poses[..., : at.Y], poses[..., at.Y : at.Z], poses[..., at.Z : at.SQUARE]], axis=-1)
 
 
 def pose_distances(query: ArrayLike, rows: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Distance (F,) in metres of ``rows`` (F, 64) from ``query`` (64,), and the rotations (F,) that
-    bring them nearest.
+    """Distances (F,) in metres of the pose rows ``rows`` (F, 64) from ``query`` (64,), and the angles (F,) about Z in
+    radians that bring them nearest.
     """
     one, all_rows = np.asarray(query, dtype=np.float64), np.asarray(rows, dtype=np.float64)
     planar = (all_rows[:, : at.Y] - 1j * all_rows[:, at.Y : at.Z]) @ (one[: at.Y] + 1j * one[at.Y : at.Z])
@@ -67,18 +73,19 @@ ROW_STICKS: IntArray = np.array(
     + [(begin, limb) for begin, limbs in ((1, _ARMS), (0, _LEGS)) for limb in limbs]
     + [(limb + k, limb + k + 1) for limb in (*_ARMS, *_LEGS) for k in range(3)]
 )
-"""Pairs of a row's points that a picture joins by a line, (S, 2)."""
+"""Pairs (S, 2) of indices of compared points that are joined by a line in a picture."""
 STICK_SIDES: IntArray = np.array([-1, -1, -1, *((end - _ARMS[0]) // 4 % 2 for _, end in ROW_STICKS[3:].tolist())])
-"""Side of each pair, (S,): -1 the middle, 0 the left, 1 the right."""
+"""Side (S,) of each line of ``ROW_STICKS``: -1 for the middle, 0 left, 1 right."""
 
 
 @dataclass(frozen=True, eq=False)
 class SearchTable:
-    """Data of a search.
+    """Data of the searched clips, C in number with F frames together.
 
-    ``rows`` (F, 64) may be memory-mapped; ``frame_counts`` (C,) of each clip, one after another. ``paths`` (T, 3) are
-    the paths of the hit points while they can hit, metres in the space of the clip, ``path_counts`` (C,) their lengths;
-    ``actors`` and ``limbs`` (C,) the performer of a clip, and the limb with which it hits.
+    ``rows`` (F, 64) are pose rows of all clips in succession, and may be memory-mapped; ``frame_counts`` (C,) are their
+    numbers. ``paths`` (T, 3) are the paths of the hit points in the frames that can hit, metres in the space of the
+    clip, and ``path_counts`` (C,) their lengths. ``actors`` and ``limbs`` (C,) are the index of a clip's actor and of
+    the limb that hits.
     """
 
     rows: Rows
@@ -99,22 +106,22 @@ class SearchTable:
 
     @cached_property
     def clips(self) -> IntArray:
-        """Actor, limb, first row and row count of each clip's path, (C, 4)."""
+        """Table (C, 4) of each clip's actor, limb, first row in ``paths`` and number of rows there."""
         begins = np.cumsum(self.path_counts) - self.path_counts
         return np.column_stack([self.actors, self.limbs, begins, self.path_counts]).astype(np.int64)
 
     @cached_property
     def first_rows(self) -> IntArray:
-        """Row of each clip's first frame, (C,)."""
+        """Index (C,) of each clip's first row."""
         return np.asarray(np.cumsum(self.frame_counts) - self.frame_counts, dtype=np.int64)
 
     @cached_property
     def blocks(self) -> "FrameBlocks":
-        """Blocks of frames, with bounds of their cost, that are searched before single frames."""
+        """Blocks of frames with bounds of their cost, which are searched before single frames."""
         return FrameBlocks.of(self)
 
     @cached_property
-    def searched(self) -> at.FrameTable:
+    def frame_table(self) -> at.FrameTable:
         """Frames of all clips as the record that the kernels of ``pose_search`` take."""
         blocks = self.blocks
         return at.FrameTable(
@@ -124,10 +131,11 @@ class SearchTable:
 
 @dataclass(frozen=True, eq=False)
 class FrameBlocks:
-    """Blocks of frames of one clip: ``spans`` (B, 3) clip, first row and count, and the bounds of their frames' cost.
+    """Blocks of consecutive frames of one clip, with bounds of the cost of their frames.
 
-    ``middles`` (B, 64), ``radii`` (B,) metres from there to the farthest frame; ``rings`` (B, 4) least and greatest
-    distance of the hit from a pose's middle, lowest and highest hit.
+    ``spans`` (B, 3) are clip, first row and number of rows of each block. ``middles`` (B, 64) are the rows of the
+    middle frames, ``radii`` (B,) the distance in metres to the block's farthest frame. ``rings`` (B, 4) are the least
+    and greatest distance of the hit from the middle of a pose, and the lowest and highest hit.
     """
 
     spans: IntArray
@@ -137,7 +145,7 @@ class FrameBlocks:
 
     @classmethod
     def of(cls, table: SearchTable) -> "FrameBlocks":
-        """Blocks of a table, with bounds from the middle frame of each."""
+        """Blocks of the frames of ``table``, with bounds from the middle frame of each."""
         counts, begins = table.frame_counts, table.first_rows
         spans = np.array(
             [
@@ -155,8 +163,10 @@ class FrameBlocks:
 
 @dataclass(frozen=True, eq=False)
 class PoseQuery:
-    """Query of a search: ``poses`` (A, 64), the performer's pose on every actor, and ``targets`` (A, 4, 3), the target
-    of each limb of each actor, in metres about the middle of that pose, heights above the ground.
+    """Query of a search: the performer's pose on each of A actors, and the target of each limb of each actor.
+
+    ``poses`` are pose rows (A, 64). ``targets`` (A, 4, 3) are in metres, relative to the middle of the actor's pose,
+    heights above the ground.
     """
 
     poses: Rows
@@ -167,10 +177,10 @@ class PoseQuery:
 
 @dataclass(frozen=True)
 class SearchMatch:
-    """Clip that was found: ``posture`` and ``reach`` are distances in metres, ``cost`` their weighted sum.
+    """Clip found by a search; ``posture`` and ``reach`` are distances in metres, ``cost`` is their weighted sum.
 
-    It plays from ``frame`` of the clip on, rotated by ``turn`` (rad) about Z, and hits at index ``contact`` of the path
-    of its hit point.
+    It plays from ``frame`` of the clip on, rotated by ``turn`` (radians) about Z, and hits at index ``contact`` of the
+    path of its hit point.
     """
 
     clip: int
@@ -183,7 +193,7 @@ class SearchMatch:
 
 
 def search(table: SearchTable, query: PoseQuery, count: int = 8, allowed: ArrayLike | None = None) -> list[SearchMatch]:
-    """Best frame of each of the ``count`` clips with the least cost, the best first; ``allowed`` (C,) excludes clips.
+    """Best frames of the ``count`` clips with the least cost, best clip first; ``allowed`` (C,) masks the clips.
 
     The result equals that of trying every frame, apart from ties.
     """
@@ -192,11 +202,11 @@ def search(table: SearchTable, query: PoseQuery, count: int = 8, allowed: ArrayL
     asked = at.SearchQuery(query.poses, query.targets, float(query.posture_weight), float(query.reach_weight))
     if not len(bounds) or count < 1:
         return []
-    at.write_block_cost_bounds(table.searched, among, asked, bounds)
+    at.write_block_cost_bounds(table.frame_table, among, asked, bounds)
     begin = min(2 * count, len(bounds))
     first = np.argpartition(bounds, begin - 1)[:begin]
     found = at.SearchHits(np.empty((count, 4)), np.empty((count, 3), dtype=np.int64))
-    at.search_blocks(first[np.argsort(bounds[first])], bounds, table.searched, asked, found)
+    at.search_blocks(first[np.argsort(bounds[first])], bounds, table.frame_table, asked, found)
     begins = table.first_rows
     return [
         SearchMatch(clip, frame - int(begins[clip]), contact - int(table.clips[clip, 2]), *numbers)

@@ -1,6 +1,6 @@
-"""Manners: reactions of a performer to another during a state, and the resulting constraints.
+"""Reactions of a performer to its partner, another performer or a prop during a state of its behaviour.
 
-``KeepDistance`` moves the performer over the ground; the others are constraints, made by ``manner_constraints``.
+``KeepDistance`` moves the performer over the ground; ``reaction_constraints`` makes constraints of the others.
 """
 
 import math
@@ -13,20 +13,24 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.plausible import PLACE_RANGE
-from studio.core.stage.whom import BehaviourTarget, DistanceMeasure, FollowPartner, followed_by
+from studio.core.stage.behaviour_target import BehaviourTarget, DistanceMeasure, FollowPartner, resolved_target
 
 HEAD_POINT = BodyPoint(BodyPart.HEAD, (0.0, 0.0, 0.05))
+"""Point of the head that keeps away from a fist."""
 FIST_POINT = BodyPoint(BodyPart.RIGHT_HAND, (0.0, 0.0, 0.09))
+"""Middle of the right fist."""
 ARM_POINT = BodyPoint(BodyPart.LEFT_FOREARM, (0.0, 0.0, 0.12))
-WHOLE_CLIP = ActivationCurve(-1.0, -1.0, 1e5, 1e5)
-"""All the time that a clip plays, in seconds of its motion."""
+"""Point on the left forearm that parries a strike."""
+ACTIVE_WHOLE_CLIP = ActivationCurve(-1.0, -1.0, 1e5, 1e5)
+"""Activation that is full at all times of a clip."""
 
 
 @dataclass(frozen=True)
 class KeepDistance:
-    """Face ``whom``, and step to keep the horizontal distance to it at ``distance``, within the tolerance ``room``.
+    """Reaction: face the target ``whom``, and step to keep the horizontal distance to it at ``distance`` within
+    ``room``.
 
-    Both in metres, or in ``legs``, as a ``DistanceMeasure``.
+    Both lengths are in metres or, if ``legs``, in leg lengths (the mean of both bodies).
     """
 
     kind: ClassVar[str] = "keep_distance"
@@ -44,13 +48,15 @@ class KeepDistance:
 
     @property
     def gap(self) -> DistanceMeasure:
-        """Measure of the distance to keep."""
+        """Measure of the distance that is kept."""
         return DistanceMeasure(self.whom, legs=self.legs)
 
 
 @dataclass(frozen=True)
 class LeanAway:
-    """Keep ``point`` at least ``metres`` away from a point of ``whom`` by the trunk: the head from a fist."""
+    """Reaction: bend the trunk to keep ``point`` at least ``metres`` away from a point of ``whom``, as a head from a
+    fist.
+    """
 
     kind: ClassVar[str] = "lean_away"
     whom: BehaviourTarget = FollowPartner(FIST_POINT)
@@ -65,32 +71,33 @@ class LeanAway:
 
 @dataclass(frozen=True)
 class Meet:
-    """Move ``point`` to a point of ``whom`` with ``activation`` over seconds of the clip's motion.
+    """Reaction: move ``point`` to a point of the target ``whom``, with ``activation`` over the clip's motion seconds.
 
-    The forearm of a parry meets the fist, a striking fist meets the head.
+    By default the forearm parries the partner's fist.
     """
 
     kind: ClassVar[str] = "meet"
     whom: BehaviourTarget = FollowPartner(FIST_POINT)
     point: BodyPoint = ARM_POINT
-    activation: ActivationCurve = WHOLE_CLIP
+    activation: ActivationCurve = ACTIVE_WHOLE_CLIP
     chain: Chain = Chain()
 
 
-Manner = KeepDistance | LeanAway | Meet
-LEANING_CHAIN = Chain(clavicle=0.0, trunk=1.0)
+Reaction = KeepDistance | LeanAway | Meet
+LEAN_AWAY_CHAIN = Chain(clavicle=0.0, trunk=1.0)
 
 
-def manner_constraints(
-    manners: tuple[Manner, ...], motion_id: str, partner_id: str, name: str
+def reaction_constraints(
+    manners: tuple[Reaction, ...], motion_id: str, partner_id: str, name: str
 ) -> tuple[Constraint, ...]:
-    """Constraints on the state's motion that the manners of a state ``name`` make, for a performer with that partner.
+    """Constraints, on the motion of a state, for its reactions to targets other than the distance kept.
 
-    ``Meet`` has a higher priority than ``LeanAway``. Manners that need a partner make none without one (an empty id).
+    ``name`` is the state's and titles the constraints. ``Meet`` has a higher priority than ``LeanAway``. A reaction to
+    the partner makes no constraint if ``partner_id`` is empty.
     """
     asked: list[Constraint] = []
     for place, manner in enumerate(manners):
-        followed = followed_by(manner.whom, partner_id)
+        followed = resolved_target(manner.whom, partner_id)
         title = f"{name} {place + 1}"
         if followed is not None and isinstance(manner, Meet):
             meeting = PositionConstraint(
@@ -100,7 +107,7 @@ def manner_constraints(
         elif followed is not None and isinstance(manner, LeanAway):
             size = (2.0 * manner.metres,) * 3
             leaning = AreaConstraint(
-                motion_id, title, manner.point, LEANING_CHAIN, 1, WHOLE_CLIP,
+                motion_id, title, manner.point, LEAN_AWAY_CHAIN, 1, ACTIVE_WHOLE_CLIP,
                 shape=AreaShape.SPHERE, centre=followed, size=size,
             )  # fmt: skip
             asked.append(leaning)
