@@ -1,4 +1,4 @@
-"""Channels of a posed capture: the inverse of ``kernels.body.pose_from_channels``, in the same order (METHOD 2)."""
+"""Channels of a posed capture: the inverse of ``kernels.body.pose_from_channels`` (METHOD 2)."""
 
 import math
 from typing import NamedTuple
@@ -22,29 +22,29 @@ from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.records import Array, Pose
 
 SHORTEST_HINGE = 1e-12
-"""Length of a hinge's part across its limb below which it has no direction."""
+"""Length of the component of a unit hinge axis across its limb below which it has no direction."""
 
 
 class ActorSizes(NamedTuple):
     """Proportions of the captured actor, which are removed from the normalised motion."""
 
     rests: Array
-    """(3, 3, 3) rest rotations of neck and clavicles in the thorax."""
+    """(3, 3, 3) rest rotations of neck, left and right clavicle in the thorax."""
     hips: Array
-    """(2, 3) metres in the pelvis."""
+    """(2, 3) offsets in metres of both hip joints from the pelvis' origin, in its axes."""
     limbs: Array
-    """(4,) metres, lengths of arms and legs."""
+    """(4,) lengths of arms and legs, metres."""
     ankle_height: float
     leg: float
     neck: float
-    """Metres."""
+    """Height of the ankles above the sole, length of the legs and of the neck, all in metres."""
 
 
 class EncodeScratch(NamedTuple):
-    """Scratch rotations (3, 3)."""
+    """Scratch rotations (3, 3) of ``encode_frames``."""
 
     carriers: Array
-    """(2, 3, 3) the thorax rotated along with each clavicle: the frames of the arms."""
+    """(2, 3, 3) rotation of the thorax followed by that of each clavicle from rest: parent axes of the arms."""
     limb_frame: Array
     turn: Array
     local: Array
@@ -52,8 +52,10 @@ class EncodeScratch(NamedTuple):
 
 @kernel
 def align_segments(joint_rotations, joints, alignments, out_rotations):
-    """R_canonical = R_joint A (METHOD 2): ``joint_rotations`` (F, J, 3, 3), ``joints`` (S,) that move the segments,
-    ``alignments`` (S, 3, 3), out (F, S, 3, 3).
+    """Write segment rotations (F, S, 3, 3) in the canonical axes, R_canonical = R_joint A (METHOD 2).
+
+    ``joint_rotations`` (F, J, 3, 3); ``joints`` (S,) is the joint that moves each segment, ``alignments`` (S, 3, 3) the
+    A of each segment.
     """
     for frame in range(out_rotations.shape[0]):
         for segment in range(out_rotations.shape[1]):
@@ -65,9 +67,9 @@ def align_segments(joint_rotations, joints, alignments, out_rotations):
 def encode_frames(points, rotations, yaw, actor, out_channels):
     """Write the channels (F, 93 + 4 (K - 1)) of a moving body (METHOD 2), each frame by itself.
 
-    ``points`` (F, K + 23, 3) and ``rotations`` (F, K + 18, 3, 3) are canonical, in the motion's space; ``yaw`` (F,) is
-    the low-passed heading; ``actor`` has the measures to remove. ``unwrap_channels`` makes the result continuous in
-    time.
+    ``points`` (F, K + 23, 3) and ``rotations`` (F, K + 18, 3, 3) are those of a canonical body, in the motion's space;
+    ``yaw`` (F,) is the low-passed heading in radians; ``actor`` an ``ActorSizes`` record. ``unwrap_channels`` makes the
+    result continuous in time.
     """
     scratch = EncodeScratch(np.empty((2, 3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)))
     for frame in range(out_channels.shape[0]):
@@ -101,8 +103,10 @@ def unwrap_channels(quaternion_columns, channels):
 
 @kernel
 def encode_trunk(pose, actor, scratch, out):
-    """Write root, spine, neck, head, clavicles, hip and head shifts of one frame with a known heading (METHOD 3.1 to
-    3.3 inverted), and the frames of both arms into ``scratch``.
+    """Write the channels of root, spine, neck, head, clavicles, hip and head shifts of one frame (METHOD 3.1 to 3.3
+    inverted).
+
+    The heading in ``out`` must be set. Also writes the parent axes of both arms into ``scratch.carriers``.
     """
     points, rotations = pose
     spine_count = rotations.shape[0] - SEGMENTS_BESIDE_SPINE
@@ -136,7 +140,7 @@ def encode_trunk(pose, actor, scratch, out):
 
 @kernel
 def encode_hips(root, pelvis, actor, out_channel):
-    """Write the height of the hips' centre above the plane of the ankles, in leg lengths."""
+    """Write the position (3,) of the hips' centre above the plane of the ankles, in leg lengths."""
     for axis in range(3):
         position = root[axis] - (actor.ankle_height if axis == 2 else 0.0)
         for column in range(3):
@@ -146,10 +150,10 @@ def encode_hips(root, pelvis, actor, out_channel):
 
 @kernel
 def encode_limb(limb, pose, length, scratch, out):
-    """Write frame, slack, bend, twists and end rotation of one arm (limb 0, 1) or leg (2, 3) that is ``length`` metres
-    long (METHOD 2, "limb encoding").
+    """Write the channels of one arm (``limb`` 0, 1) or leg (2, 3): frame, slack, bend, twists and end rotation (METHOD
+    2).
 
-    Its slack is ``length`` less the distance of its end from its root.
+    ``length`` is the limb's length in metres; its slack is 1 - (distance of its end from its root) / ``length``.
     """
     points, rotations = pose
     spine_count = rotations.shape[0] - SEGMENTS_BESIDE_SPINE
@@ -185,8 +189,9 @@ def encode_limb(limb, pose, length, scratch, out):
 
 @kernel
 def frame_of_hinge(arc, upper, zx, zy, zz, out_frame):
-    """Limb frame (3, 3): z along the unit vector (zx, zy, zz), x as near as possible to the hinge axis, the x axis of
-    ``upper`` rotated by ``arc``.
+    """Write the limb frame (3, 3): z along the unit vector (zx, zy, zz), x as near as possible to the hinge axis.
+
+    The hinge axis is the x axis of ``upper`` rotated by ``arc``.
     """
     x = arc[0, 0] * upper[0, 0] + arc[0, 1] * upper[1, 0] + arc[0, 2] * upper[2, 0]
     y = arc[1, 0] * upper[0, 0] + arc[1, 1] * upper[1, 0] + arc[1, 2] * upper[2, 0]
@@ -202,8 +207,9 @@ def frame_of_hinge(arc, upper, zx, zy, zz, out_frame):
 
 @kernel
 def direction_and_length(start, end):
-    """Unit direction (x, y, z) from one point (3,) to another, and their distance in metres; a zero direction where
-    they meet.
+    """(x, y, z, length): unit direction from ``start`` (3,) to ``end`` (3,) and their distance in metres.
+
+    The direction is zero where the points coincide.
     """
     x, y, z = end[0] - start[0], end[1] - start[1], end[2] - start[2]
     length = math.sqrt(x * x + y * y + z * z)
@@ -236,8 +242,9 @@ def write_relative_quaternion(out_channel, column, parent, rotation, scratch):
 
 @kernel
 def write_quaternion(out_channel, column, matrix):
-    """Write a rotation (3, 3) as unit quaternion, by its largest component (Shepperd 1978), into four columns of a
-    frame.
+    """Write a rotation (3, 3) as unit quaternion (x, y, z, w) into four channels from ``column`` on.
+
+    It is found by its largest component (Shepperd 1978).
     """
     trace = matrix[0, 0] + matrix[1, 1] + matrix[2, 2]
     i = 3

@@ -1,4 +1,6 @@
-"""Poses from channels: a morphology-independent motion takes the measures of one body (METHOD 3)."""
+"""Poses of a body from the channels of a motion, which are independent of any body, and the body's measures (METHOD
+3).
+"""
 
 import math
 from typing import NamedTuple
@@ -32,43 +34,49 @@ from studio.core.kernels.limbs.limb import match_bone_lines, place_limb, soft_fl
 from studio.core.kernels.records import Array, LimbShape, Pose
 
 CLAVICLE_REACH_SOFTNESS = 0.003
-"""Fraction of a clavicle by which it may move further inwards than the actor's before half of the excess is
-held back.
+"""Fraction of a clavicle's length by which its lateral reach falls short of the actor's when half of the lack is
+corrected.
 """
 
 
 class ActorProportions(NamedTuple):
-    """Proportions of the actor relative to the posed body."""
+    """Proportions of the captured actor relative to the posed body, in all frames."""
 
     lengths: Array
-    """(F or 1,) clavicle length ratio, actor to body, both relative to the shoulders' breadth, 1 at most."""
+    """(F or 1,) ratio of clavicle lengths, actor to body, both relative to the breadth of the shoulders; 1 at most."""
     rests: Array
     """(2, 3) rest directions of the actor's clavicles in the thorax."""
     hips: Array
-    """(F or 1,) hip breadth ratio, actor to body, both relative to the legs' length, 1 at most."""
+    """(F or 1,) ratio of hip breadths, actor to body, both relative to the length of the legs; 1 at most."""
     lines: Array
     """(F, 2) lateral direction across the feet, as in ``NormalizedMotion.across``."""
     limbs: Array
-    """(4,) upper bone as a fraction of each of the actor's limbs."""
+    """(4,) upper bone of each of the actor's limbs as a fraction of the limb."""
 
 
 class FrameProportions(NamedTuple):
-    """``ActorProportions`` in one frame."""
+    """Proportions of the captured actor relative to the posed body, in one frame."""
 
     length: float
+    """Ratio of clavicle lengths, actor to body."""
     rests: Array
+    """(2, 3) rest directions of the actor's clavicles in the thorax."""
     hips: float
+    """Ratio of hip breadths, actor to body."""
     line: Array
+    """(2,) lateral horizontal direction across the feet."""
     limbs: Array
+    """(4,) upper bone of each of the actor's limbs as a fraction of the limb."""
 
 
 @allocating_kernel
 def realize_frames(channels, positions, measures, actor, play, out_positions, out_rotations):
-    """Pose a body in every frame (METHOD 3; eq. 2 of K05).
+    """Write the poses of a body in every frame of a motion (METHOD 3; eq. 2 of K05), in the motion's space.
 
-    ``channels`` (F, 89 + 4 K_motion); ``positions`` (K_motion,) along the trunk; ``measures`` (F or 1, 57 + 3 K);
-    ``actor`` the ActorProportions; ``play`` 1 keeps the actor's shifts of hips and head, 0 drops them. Writes (F, K +
-    23, 3) metres and (F, K + 18, 3, 3), motion space.
+    ``channels`` (F, 89 + 4 K_motion); ``positions`` (K_motion,) of the motion's spine segments along the trunk, 0 to 1;
+    ``measures`` (F or 1, 57 + 3 K); ``actor`` an ``ActorProportions`` record. With ``play`` 1 the recorded shifts of
+    hips and head are kept, with 0 they are dropped. Writes points (F, K + 23, 3) in metres and segment rotations (F, K
+    + 18, 3, 3).
     """
     spine_from, spine_share = spine_sampling(positions, measures[0])
     realize_all_frames(channels, measures, actor, spine_from, spine_share, play, out_positions, out_rotations)
@@ -76,7 +84,9 @@ def realize_frames(channels, positions, measures, actor, play, out_positions, ou
 
 @kernel
 def realize_all_frames(channels, measures, actor, spine_from, spine_share, play, out_positions, out_rotations):
-    """Pose all frames; ``spine_from`` and ``spine_share`` come from ``spine_sampling``."""
+    """Write the poses of all frames for a spine sampled by ``spine_from`` and ``spine_share``, the result of
+    ``spine_sampling``.
+    """
     for frame in range(channels.shape[0]):
         row = measures[frame if measures.shape[0] > 1 else 0]
         pose = Pose(out_positions[frame], out_rotations[frame])
@@ -87,8 +97,8 @@ def realize_all_frames(channels, measures, actor, spine_from, spine_share, play,
 
 @allocating_kernel
 def spine_sampling(positions, measures):
-    """For each of a body's K spine segments, the index (K,) of the motion's segment at or below it and the
-    interpolation factor (K,) to the next.
+    """Index (K,) of the motion's spine segment at or below each of a body's K segments, and the interpolation factor
+    (K,) to the next.
 
     Pelvis maps to pelvis and thorax to thorax; segments between are sampled by their position along the trunk, so that
     arms hang in the same way on any number of vertebrae. ``positions`` (K_motion,) run from 0 to 1.
@@ -111,7 +121,7 @@ def spine_sampling(positions, measures):
 
 @kernel
 def realize_frame(channels, measures, girdle, spine_from, spine_share, play, pose):
-    """Pose one frame; ``girdle`` are the actor's FrameProportions."""
+    """Write the ``pose`` of a body in one frame; ``girdle`` is the actor's ``FrameProportions``."""
     root, pelvis, neck_base, thorax = realize_trunk(channels, measures, girdle, spine_from, spine_share, pose)
     realize_head(channels, measures, play, neck_base, thorax, pose)
     for side in range(2):
@@ -121,11 +131,11 @@ def realize_frame(channels, measures, girdle, spine_from, spine_share, play, pos
 
 @small_kernel
 def realize_trunk(channels, measures, girdle, spine_from, spine_share, pose):
-    """Pose pelvis and spine (METHOD 3.1, 3.2); returns position and rotation of the pelvis, then of the thorax at the
-    neck base.
+    """Pose pelvis and spine (METHOD 3.1, 3.2). Returns the position and rotation of the pelvis, then those of the neck
+    base.
 
-    The pelvis segment rotates less where hips are wider than the actor's (``girdle``), which keeps them above the
-    planted feet; trunk and legs do not follow that rotation.
+    The rotation at the neck base is that of the thorax. The pelvis segment rotates less where hips are wider than the
+    actor's (``girdle``), which keeps them above the planted feet; trunk and legs do not follow that reduction.
     """
     upright = pelvis_rotation(channels)
     pelvis = upright if girdle.hips == 1.0 else level_hips(upright, girdle.hips, girdle.line)
@@ -157,10 +167,10 @@ def realize_trunk(channels, measures, girdle, spine_from, spine_share, pose):
 
 @small_kernel
 def level_hips(pelvis, share, line):
-    """Pelvis rotation whose hip axis is brought towards the direction ``line`` (2,) between the feet: its tilt and yaw
-    from there are multiplied by ``share``.
+    """Rotation of the pelvis with its hip axis nearer to the horizontal direction ``line`` (2,) between the feet.
 
-    The scaling fades where the feet are turned away from the line, or lie on their sides.
+    The tilt and yaw of the axis relative to ``line`` are multiplied by ``share``. The scaling fades where the feet are
+    turned away from the line, or lie on their sides.
     """
     own = 1.0 / max(math.hypot(line[0], line[1]), 1e-9)
     x, y = own * line[0], own * line[1]
@@ -188,7 +198,7 @@ def mean_leg_length(measures):
 
 @small_kernel
 def pelvis_rotation(channels):
-    """World rotation of the pelvis: heading times the pelvis relative to it."""
+    """World rotation tuple of the pelvis: the heading times the pelvis relative to the heading."""
     a = rotation_from_quaternion(channels, at.PELVIS)
     s, c = sine_and_cosine(channels[at.YAW])
     return (
@@ -200,7 +210,11 @@ def pelvis_rotation(channels):
 
 @small_kernel
 def spine_rotation(channels, index, fraction):
-    """Rotation of a spine segment relative to the pelvis: normalised blend of two neighbours' quaternions."""
+    """Rotation tuple of a spine segment relative to the pelvis, between the motion's segments ``index`` and ``index`` +
+    1.
+
+    It is the normalised blend of both quaternions, with ``fraction`` the weight of the second.
+    """
     a = at.SPINE + 4 * (index - 1)
     ax, ay, az, aw = 0.0, 0.0, 0.0, 1.0
     if index > 0:
@@ -224,8 +238,8 @@ def spine_rotation(channels, index, fraction):
 def realize_head(channels, measures, play, neck_base, thorax, pose):
     """Pose neck and head (METHOD 3.3).
 
-    The neck is rotated from its own rest direction: rest directions differ between skeletons, and the motion carries
-    rotations only. Clavicles likewise.
+    The neck is rotated from the body's own rest direction, because rest directions differ between skeletons and the
+    motion carries rotations only.
     """
     neck, m = (measures.shape[0] - at.MEASURE_SPINE) // 3, at.MEASURE_NECK_REST
     parent = compose(thorax, rotation_from_quaternion(channels, at.NECK))
@@ -279,10 +293,10 @@ def clavicle_rotation(channels, measures, girdle, side):
 
 @small_kernel
 def realize_arm(channels, measures, girdle, side, neck_base, thorax, pose):
-    """Pose clavicle, arm and hand (METHOD 3.3, 3.4); the arm lies in the thorax rotated along with the actor's
-    clavicle.
+    """Pose clavicle, arm and hand of one side (METHOD 3.3, 3.4).
 
-    ``girdle`` is the actor's.
+    The arm's parent axes are the thorax rotated by the actor's clavicle rotation. ``girdle`` is the actor's
+    ``FrameProportions``.
     """
     spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
     point, segment = (
@@ -308,9 +322,10 @@ def realize_arm(channels, measures, girdle, side, neck_base, thorax, pose):
 
 @small_kernel
 def realize_leg(channels, measures, limbs, side, play, root, pelvis, pose):
-    """Pose leg, foot and toe (METHOD 3.4, 3.5); leg and foot lie in the ``pelvis`` as the actor rotates it.
+    """Pose leg, foot and toe of one side (METHOD 3.4, 3.5).
 
-    ``limbs`` (4,) are the actor's upper bones as fractions of the limbs.
+    Leg and foot are relative to ``pelvis``, the pelvis rotation of the actor. ``limbs`` (4,) are the actor's upper
+    bones as fractions of the limbs.
     """
     spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
     point, segment = (
@@ -327,10 +342,10 @@ def realize_leg(channels, measures, limbs, side, play, root, pelvis, pose):
 
 @small_kernel
 def realize_limb(limb, channels, bones, fraction, parent, point, segment, pose):
-    """Pose both bones of an arm (limb 0, 1) or leg (2, 3) from its root ``point`` on; position and rotation at their
-    end.
+    """Pose both bones of an arm (limb 0, 1) or leg (2, 3) from its root ``point`` on; returns the position of its end
+    and the rotation of its lower bone.
 
-    ``bones`` are their lengths; ``fraction`` is the actor's upper bone relative to the limb.
+    ``bones`` are the lengths of both bones in metres; ``fraction`` is the actor's upper bone relative to the limb.
     """
     length, reach = bones[0] + bones[1], 1.0 - channels[at.LIMB_SLACK + limb]
     twist = at.LIMB_TWIST + 2 * limb
@@ -349,8 +364,9 @@ def realize_limb(limb, channels, bones, fraction, parent, point, segment, pose):
 
 @small_kernel
 def write_hip(channels, measures, side, play, root, pelvis, out_hip):
-    """Write the world position of a hip joint into ``out_hip`` (3,) and return it; with ``play`` 1 it includes the
-    actor's recorded offset.
+    """Write the world position of a hip joint into ``out_hip`` (3,) and return it.
+
+    With ``play`` 1 it includes the actor's recorded hip shift, with 0 it does not.
     """
     m, c, stray = at.MEASURE_HIP_OFFSET + 3 * side, at.HIP_SHIFT + 3 * side, play * mean_leg_length(measures)
     return write_transformed_point(
@@ -365,7 +381,7 @@ def write_hip(channels, measures, side, play, root, pelvis, out_hip):
 
 @small_kernel
 def write_foot(side, measures, ankle, foot, toe, pose):
-    """Pose foot and toe by their rotations, beginning at the ankle."""
+    """Pose foot and toe from the position of the ``ankle`` and their world rotations."""
     spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
     point, segment = (
         spine_count + TOE_POINT + POINTS_PER_LIMB * side,

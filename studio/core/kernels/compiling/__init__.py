@@ -6,7 +6,7 @@ from typing import Any
 import numba
 
 SUPPORTED_NUMBA = "0.68."
-"""Prefix of the numba versions with known internals. Other versions are used by the public interface."""
+"""Prefix of the numba versions whose internals kernels may use. Other versions are used by their public interface."""
 USES_NUMBA_INTERNALS = numba.__version__.startswith(SUPPORTED_NUMBA)
 if USES_NUMBA_INTERNALS:
     import_module("studio.core.kernels.compiling.no_blas")
@@ -19,8 +19,10 @@ _COUNTED: dict[str, Any] = {"nogil": True, "_nrt": True}
 _UNCOUNTED: dict[str, Any] = {**_COUNTED, "_nrt": False}
 
 kernel = compiled(**_UNCOUNTED, fastmath={"contract"})
-"""Decorator of a kernel over arrays that its caller owns. It counts no references, which makes nested kernels three
-times as fast; therefore it can neither allocate arrays nor assign slices.
+"""Decorator of a kernel over arrays that its caller owns.
+
+It counts no references, which makes nested kernels three times as fast; therefore it can neither allocate arrays nor
+assign slices.
 """
 allocating_kernel = compiled(**_COUNTED, fastmath={"contract"})
 """Decorator of a kernel that allocates arrays."""

@@ -58,10 +58,10 @@ for _listener in tuple(ffi.lib._lock._cblist):  # of numba's, told of every call
 
 
 class KernelPostProcessor(postproc.PostProcessor):
-    """Steps after a change of a kernel's code.
+    """Numba's post-processing of a kernel's intermediate code, without the computation of live variables.
 
-    Numba also finds the variables alive at the entry of each block, seven times for each kernel; only generators and
-    object mode read them.
+    Numba finds the variables alive at the entry of each block seven times for each kernel; only generators and object
+    mode read them.
     """
 
     def run(self, emit_dels: bool = False, extend_lifetimes: bool = False) -> None:
@@ -83,7 +83,7 @@ class KernelPart(JITCodeLibrary):
     """Library of one kernel without its callees, never assembled to machine code."""
 
     def finalize(self) -> None:
-        """Make the library linkable any number of times."""
+        """Make the library linkable any number of times, without optimising or assembling it."""
         for function in self._final_module.functions:
             if not function.is_declaration:
                 function.linkage = "linkonce_odr"
@@ -91,7 +91,7 @@ class KernelPart(JITCodeLibrary):
 
 
 class KernelProgram(JITCodeLibrary):
-    """Library of an entry point with all parts below it."""
+    """Library of an entry point, linked with all kernels that it calls."""
 
     def __init__(self, codegen: Any, name: str, seen: Iterable[str]) -> None:
         super().__init__(codegen, name)
@@ -175,7 +175,7 @@ class KernelPipeline(compiler.CompilerBase):
 
 @cache
 def kernel_passes() -> compiler_machinery.PassManager:
-    """The passes in their order."""
+    """Manager of the compiler passes of ``KERNEL_PASSES``, in order."""
     passes = compiler_machinery.PassManager("kernel")
     for each in KERNEL_PASSES:
         passes.add_pass(each, each.name())
@@ -184,7 +184,7 @@ def kernel_passes() -> compiler_machinery.PassManager:
 
 
 class PartCompiler(_FunctionCompiler):
-    """Compiler of one kernel: parts for other kernels, programs for Python."""
+    """Compiler of one kernel: to a ``KernelPart`` for calls by kernels, to a ``KernelProgram`` for calls by Python."""
 
     def __init__(self, kernel: CPUDispatcher) -> None:
         super().__init__(
@@ -242,7 +242,9 @@ def caching_context(context: typing.Context) -> CachingTypingContext:
 
 
 class Kernel(CPUDispatcher):
-    """Compiled function: a part for kernels, a program for Python. Programs alone are cached on disk."""
+    """Compiled function: a ``KernelPart`` for kernels, a ``KernelProgram`` for Python. Only programs are cached on
+    disk.
+    """
 
     def __init__(self, py_func: Callable[..., Any], targetoptions: dict[str, Any]) -> None:
         super().__init__(py_func, targetoptions=targetoptions)
@@ -251,7 +253,7 @@ class Kernel(CPUDispatcher):
 
     @property
     def signatures(self) -> list[Any]:
-        """Argument types for which there is a part or a program."""
+        """Argument types for which a part or a program has been compiled."""
         return list({*list(self._compiler.parts), *list(self.overloads)})  # copies, as another thread may be adding
 
     def get_call_template(self, args: Any, kws: Any) -> Any:

@@ -75,7 +75,7 @@ def pack_values(_typing: Any, values: Any) -> Any:
 
 
 def read_whole(builder: Any, address: Any, kind: Any) -> Any:
-    """Value at an address, read word by word: the optimiser drops unused words."""
+    """Value at an address, read word by word, so that the optimiser drops unused words."""
     if not isinstance(kind, ir.LiteralStructType | ir.ArrayType):
         return builder.load(address)
     value = ir.Constant(kind, ir.Undefined)
@@ -119,4 +119,4 @@ def read_member(context: Any, builder: Any, packed: Packed, address: Any, index:
 
 
 pack: Any = (lambda values: values) if vars(config)["DISABLE_JIT"] else intrinsic(pack_values)
-"""``pack(values)``: a tuple, handed on as one address from here."""
+"""``pack(values)``: pointer to a tuple, which other kernels take in place of the tuple itself."""

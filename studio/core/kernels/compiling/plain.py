@@ -1,4 +1,4 @@
-"""Kernels by numba's public interface: for a numba version with unknown internals."""
+"""Kernels compiled by numba's public interface, for numba versions with unknown internals."""
 
 # mypy: allow-untyped-calls
 # Numba says no types of its own.
@@ -9,11 +9,13 @@ from typing import Any
 from numba import njit
 
 _OURS = "nopython", "_nrt"
-"""Options that only ``linked`` takes, or that are as a matter of course."""
+"""Options that only kernels linked by ``KernelPart`` have, or that ``njit`` implies."""
 
 
 def compiled(**options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """Decorator like ``linked.compiled``."""
+    """Decorator that compiles a function with ``numba.njit`` and caches it on disk; options of linked kernels are
+    dropped.
+    """
     public = {name: value for name, value in options.items() if name not in _OURS}
     return lambda function: njit(cache=True, **public)(function)
 

@@ -1,6 +1,6 @@
-"""Kernels that cannot be stored, because the disk is full for one, are used all the same and compiled again next time.
+"""Kernels that cannot be cached on disk, for example because it is full, are compiled at each start, with a warning.
 
-Numba lets an error of its cache end the call of the kernel, except for one error on Windows.
+By itself numba would let an error of its cache end the call of the kernel, except for one error on Windows.
 """
 
 import logging
@@ -14,7 +14,7 @@ _said: set[str] = set()
 
 @contextmanager
 def _report_errors(cache: caching.Cache) -> Iterator[None]:
-    """Log the first error of each folder of kernels in place of raising it."""
+    """Log the first error of each cache folder instead of raising it."""
     try:
         yield
     except OSError as error:

@@ -1,4 +1,4 @@
-"""Legs placed on the ankle targets of the ground (METHOD 5)."""
+"""Legs placed on the ankle targets of the grounding (METHOD 5)."""
 
 import math
 
@@ -28,21 +28,24 @@ from studio.core.kernels.limbs.limb import middle_joint, place_limb, soft_extens
 from studio.core.kernels.records import LimbShape
 
 KNEE_TARGET, KNEE_TARGET_ACTIVE = 3, 6
-"""Columns of an ankle target of 7 numbers: the position (3,) that its knee faces, and 1 where that is active."""
+"""Columns of an ankle target with 7 numbers: first column of the position (3,) that the knee faces, and the column that
+is 1 where that position is active.
+"""
 KNEE_TARGET_LEVER = 0.0004
-"""Square metres (distance of the knee from its leg's line times that of its target) below which the knee
-target fades.
+"""Product in square metres, of the distances of the knee and of its target from the line hip-ankle, below which the
+knee target fades.
 """
 KNEE_TARGET_DISTANCE = 0.5
-"""Distance from a leg's line, in leg lengths, of the knee target of a foot in the air."""
+"""Distance in leg lengths from the line hip-ankle at which the knee target of a foot in the air is put."""
 
 
 @allocating_kernel
 def required_root_lowering(channels, measures, rotations, ankles, soft_thresholds, states, out_drops):
-    """Write the root lowering (F,) in metres that brings planted ankles into reach (K05 section 7; METHOD (9)).
+    """Write the root lowering (F,) in metres that brings the ankles of planted feet into reach (K05 section 7; METHOD
+    (9)).
 
     ``rotations`` (F, S, 3, 3); ``ankles`` (2, F, 3) targets relative to the root; ``soft_thresholds`` (2, F) fraction
-    of its length to which each leg extends freely; ``states`` (2, F).
+    of its length to which each leg extends freely; ``states`` (2, F) of the feet, 0 in the air.
     """
     hip, root = np.empty(3), np.zeros(3)
     for frame in range(channels.shape[0]):
@@ -80,11 +83,13 @@ def smooth_lowering(drops, window, out_peaks, out_drops):
 
 @kernel
 def place_leg(side, measures, legs, pose):
-    """Place one leg of one frame: hip from the root, ankle at its target, foot and toe as given (METHOD 8, limb_to).
+    """Place one leg of one frame: hip on the pelvis, ankle at its target, foot and toe with their target rotations
+    (METHOD 8, limb_to).
 
     The knee always bends forward: captures hyperextend it by a few degrees, and it would snap. A target beyond the
-    soft-IK threshold is approached by ``soft_extension``; the root has been lowered for standing feet. ``legs`` and
-    ``pose`` of one frame as in ``kernels.records``. An ankle may have 7 numbers (``KNEE_TARGET``).
+    soft-IK threshold is approached by ``soft_extension``; for standing feet the root has been lowered before. ``legs``
+    are the ``LegTargets`` and ``pose`` the ``Pose`` of one frame. An ankle target with 7 numbers includes a knee target
+    (``KNEE_TARGET``).
     """
     spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
     _, frame, limb = aim_leg(side, measures, legs, pose)
@@ -100,7 +105,9 @@ def place_leg(side, measures, legs, pose):
 
 @small_kernel
 def aim_leg(side, measures, legs, pose):
-    """Place the hip on the pelvis; returns its position, the leg's frame, and the leg's ``LimbShape`` in that frame."""
+    """Place the hip on the pelvis. Returns its position, the frame of the leg aimed at its ankle target, and the
+    ``LimbShape``.
+    """
     channels, ankle = legs.channels, legs.ankles[side]
     point = (measures.shape[0] - at.MEASURE_SPINE) // 3 + 13 + 5 * side
     pelvis = rotation_from_matrix(pose.rotations[0])
@@ -115,7 +122,10 @@ def aim_leg(side, measures, legs, pose):
 
 @kernel
 def place_leg_points(side, measures, legs, before, pose):
-    """Place the points of a leg as ``place_leg`` does; ``before`` (P, 3) has the offsets of the foot from its ankle."""
+    """Place only the points of a leg on its ankle target, without rotations.
+
+    ``before`` (P, 3) has the offsets of the foot's points from its ankle.
+    """
     positions, point = pose.positions, (measures.shape[0] - at.MEASURE_SPINE) // 3 + 13 + 5 * side
     hip, frame, limb = aim_leg(side, measures, legs, pose)
     x, y, z, distance = middle_joint(limb)
@@ -130,8 +140,9 @@ def place_leg_points(side, measures, legs, before, pose):
 
 @kernel
 def leg_frame(channels, measures, side, soft_threshold, ankle, hip, pelvis):
-    """(frame, distance from hip to ankle, offset of the knee from the leg's plane) of a leg aimed from its ``hip`` (3,)
-    at its ankle, in metres (METHOD (4), (11)).
+    """(frame, reach, off-plane offset) of a leg aimed from its ``hip`` (3,) at its ``ankle`` target (METHOD (4), (11)).
+
+    ``reach`` is the distance from hip to ankle, the offset that of the knee from the leg's plane, both in metres.
     """
     upper, lower = measures[at.MEASURE_LEG + 2 * side], measures[at.MEASURE_LEG + 2 * side + 1]
     length = upper + lower
@@ -161,8 +172,8 @@ def knee_radius(upper, lower, distance):
 
 @allocating_kernel
 def knee_swivels(channels, measures, side, soft_thresholds, ankles, hips, pelvises, out_angles):
-    """Write the swivels (F,) in radians about the line of hip and ankle that turn a knee to its target in ``ankles``
-    (F, 7).
+    """Write the swivel angles (F,) in radians about the line hip-ankle that turn a knee to its target in ``ankles`` (F,
+    7).
 
     ``soft_thresholds`` (F,); ``hips`` (F, 3); ``pelvises`` (F, 3, 3).
     """
@@ -183,7 +194,7 @@ def knee_swivels(channels, measures, side, soft_thresholds, ankles, hips, pelvis
 
 @allocating_kernel
 def write_knee_targets(channels, measures, side, soft_thresholds, angles, hips, pelvises, ankles):
-    """Write knee targets into ``ankles`` (F, 7) for knees swivelled by ``angles`` (F,): the inverse of
+    """Write the knee targets into ``ankles`` (F, 7) that swivel knees by ``angles`` (F,) in radians: inverse of
     ``knee_swivels``.
     """
     for frame in range(channels.shape[0]):
@@ -209,8 +220,9 @@ def write_knee_targets(channels, measures, side, soft_thresholds, angles, hips, 
 
 @small_kernel
 def unswivelled_knee(upper, lower, distance, off_plane):
-    """(x, y, radius) of a leg's knee without swivel, in the leg's frame: its position across the line from hip to ankle
-    and its distance from there (METHOD (5)).
+    """(x, y, radius) of a leg's knee without swivel, in metres in the leg's frame (METHOD (5)).
+
+    x and y are the knee's position across the line hip-ankle, ``radius`` its distance from the line.
     """
     radius = knee_radius(upper, lower, distance)
     x = min(max(off_plane, -radius), radius)
@@ -219,7 +231,7 @@ def unswivelled_knee(upper, lower, distance, off_plane):
 
 @kernel
 def is_placed(side, measures, legs, pose):
-    """True if ``place_leg`` would not change the leg."""
+    """True if the leg already has the pose that ``place_leg`` would give it."""
     channels, ankle = legs.channels, legs.ankles[side]
     spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
     point, segment = (
@@ -257,7 +269,8 @@ def same_matrix(a, b):
 def knee_swivel(hip, ankle, upper, lower, distance, off_plane, frame):
     """Swivel in radians of a leg's ``frame`` about its z axis that turns the knee to its target (METHOD (4)).
 
-    ``ankle`` (7,) as in ``place_leg``. It fades where the knee, or its target, is near the line of hip and ankle.
+    ``ankle`` (7,) is the ankle target with its knee target. The swivel fades where the knee, or the target, is near the
+    line hip-ankle.
     """
     x, y, radius = unswivelled_knee(upper, lower, distance, off_plane)
     wanted_x, wanted_y = 0.0, 0.0

@@ -1,4 +1,4 @@
-"""Reaching with one limb: bend elbow or knee to the right distance, aim from shoulder or hip, swivel between.
+"""Reach of one limb to a point: bend elbow or knee to the right distance, aim from shoulder or hip, then swivel.
 
 A limb with a point fixed anywhere below its middle joint is a link of variable length: the distance from its root to
 the point depends on the bend alone, the direction on the aim alone. Both have closed forms.
@@ -22,18 +22,20 @@ from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel, small_kernel
 
 SWIVEL_LEVER = 2.0 * 0.08 * 0.08
-"""Square metres of lever (point times target, from the axis) above which a swivel is not faded."""
+"""Product in square metres, of the distances of point and target from the swivel's axis, above which a swivel is not
+faded.
+"""
 SWIVEL_ANGLE = 0.5 * math.pi
-"""Swivel in radians up to which it is not faded: at half a turn neither way round is nearer."""
+"""Swivel in radians up to which it is not faded. Near half a turn both directions of rotation are equally short."""
 HYPEREXTENDED = 0.85 * math.pi
-"""Angle in radians beyond which a limb that bends backwards counts as overstretched."""
+"""Bend in radians, backwards, beyond which a limb counts as overstretched rather than bent backwards."""
 COS_HYPEREXTENDED = math.cos(HYPEREXTENDED)
-"""Radians beyond which a limb that is bent backwards counts as stretched too far."""
+"""Cosine of ``HYPEREXTENDED``."""
 
 
 @small_kernel
 def distance_coefficients(root, middle, hinge, point):
-    """Coefficients (c0, c1 cos b, c1 sin b) of the squared distance from root to point, c0 - 2 c1 cos b, at the present
+    """Coefficients (c0, c1 cos b, c1 sin b) of the squared distance c0 - 2 c1 cos b from root to point, at the present
     bend b (METHOD (15)).
 
     ``hinge`` (3,) is the unit axis through ``middle`` about which ``point`` rotates. The bend is 0 when the point is
@@ -52,8 +54,10 @@ def distance_coefficients(root, middle, hinge, point):
 
 @kernel
 def bend_coefficients(root, middle, hinge, point):
-    """Coefficients (c0, c1), present bend b and side of METHOD (15): d^2 = c0 - 2 c1 cos b; the side is -1 for a
-    backward bend.
+    """(c0, c1, b, side): coefficients of the squared distance c0 - 2 c1 cos b from root to point, present bend b in
+    radians, and bend direction (METHOD (15)).
+
+    ``side`` is -1 for a backward bend, else 1.
     """
     c0, cosine, sine = distance_coefficients(root, middle, hinge, point)
     angle = math.atan2(sine, cosine)
@@ -64,7 +68,7 @@ def bend_coefficients(root, middle, hinge, point):
 
 @kernel
 def distance_range(root, middle, hinge, point):
-    """(least, greatest) distance root-point over all bends, in metres (METHOD (15))."""
+    """(least, greatest) distance of ``point`` from ``root`` over all bends, in metres (METHOD (15))."""
     c0, cosine, sine = distance_coefficients(root, middle, hinge, point)
     twice = 2.0 * math.sqrt(cosine * cosine + sine * sine)
     return math.sqrt(max(0.0, c0 - twice)), math.sqrt(max(0.0, c0 + twice))
@@ -72,10 +76,11 @@ def distance_range(root, middle, hinge, point):
 
 @kernel
 def bend_and_aim(target, distance, upper, point_index, point, positions, rotations):
-    """Bend a limb until ``point``, below its middle, is ``distance`` from its root, or nearest to it, and aim it at
-    ``target`` (all (3,)).
+    """Bend a limb until ``point``, below its middle joint, is ``distance`` metres from its root, or as near to that as
+    possible, then aim the point at ``target``.
 
-    ``upper`` is the limb's upper segment, ``point_index`` its root point.
+    ``target`` and ``point`` are (3,); ``upper`` is the limb's upper segment, ``point_index`` the index of its root
+    point.
     """
     root, middle = positions[point_index], positions[point_index + 1]
     rx, ry, rz, mx, my, mz = root[0], root[1], root[2], middle[0], middle[1], middle[2]
@@ -100,11 +105,11 @@ def bend_and_aim(target, distance, upper, point_index, point, positions, rotatio
 
 @small_kernel
 def bend_to_distance(distance, rotation, root, middle, point):
-    """Rotation about the hinge in the ``middle`` that brings ``point`` to ``distance`` from the ``root``, or nearest to
-    it.
+    """Rotation tuple about the hinge at ``middle`` that brings ``point`` to ``distance`` metres from ``root``, or as
+    near to that as possible.
 
-    The bend side follows the hinge axis, the x axis of the upper segment's ``rotation`` (3, 3), which is defined at
-    full extension too. METHOD (15).
+    The bend direction follows the hinge axis, the x axis of the upper segment's ``rotation`` (3, 3), which is defined
+    at full extension too. METHOD (15).
     """
     hinge = rotation[0, 0], rotation[1, 0], rotation[2, 0]
     c0, cosine, sine = distance_coefficients(root, middle, hinge, point)
@@ -129,7 +134,9 @@ def aim_at(target, point, segment, spine_count, pivot, positions, rotations):
 
 @small_kernel
 def aim_rotation(x, y, z, target, pivot):
-    """Shortest rotation about ``pivot`` from the offset (x, y, z) to the direction of ``target``."""
+    """Rotation tuple of the shortest rotation about ``pivot`` from the offset (x, y, z) to the direction of
+    ``target``.
+    """
     bx, by, bz = target[0] - pivot[0], target[1] - pivot[1], target[2] - pivot[2]
     a, b = math.sqrt(x * x + y * y + z * z), math.sqrt(bx * bx + by * by + bz * bz)
     if a < 1e-9 or b < 1e-9:
@@ -150,11 +157,12 @@ def swivel_to(target, point, held, segment, spine_count, pivot, positions, rotat
 
 @kernel
 def swivel_rotation(target, point, held, pivot):
-    """(axis, sine, cosine) of the swivel of ``swivel_to``.
+    """(axis, sine, cosine) of the swivel about the axis from ``pivot`` through ``held`` that brings ``point`` nearest
+    to ``target``.
 
-    It is the second of two priorities on one limb (K05 figure 11): phi = atan2(a.(r x q), r.q), the exact optimum on
-    the circle. It fades where point or target lies near the axis, and beyond a quarter turn, so that a target that
-    passes behind the axis does not whirl the limb round from one frame to the next (METHOD 8, (17)).
+    It is the exact optimum on the circle, phi = atan2(a.(r x q), r.q), and serves the second of two priorities on one
+    limb (K05 figure 11). It fades where point or target lies near the axis, and beyond a quarter turn, so that a target
+    that passes behind the axis does not whirl the limb round from one frame to the next (METHOD 8, (17)).
     """
     ax, ay, az = held[0] - pivot[0], held[1] - pivot[1], held[2] - pivot[2]
     length = math.sqrt(ax * ax + ay * ay + az * az)

@@ -2,6 +2,10 @@
 
 Every frame starts from its own pose, and operations are continuous in their inputs, so that neighbouring frames have
 neighbouring solutions. Where a level is dropped, or a limb changes sides, ``kernels.time.smoothed_frames`` smooths.
+
+A level is a group of tasks of one priority, 0 the highest. The *agreed reach* of a limb (``goal_reaches`` of ``TASK``)
+is the distance in metres from its root to its goal that the limb covers by itself, agreed when its level begins; the
+joints of the chain move its root for the rest.
 """
 
 import math
@@ -63,34 +67,42 @@ from studio.core.kernels.tasks.task_kinds import residual_of
 from studio.core.kernels.tasks.task_status import ACTIVE, INACTIVE, drop_task
 
 LEVEL_STEPS, LATE_LEVEL_STEPS = 4, 5
-"""Steps of a level, and further ones while it is nearly met or still gains: a body far out of reach would take many
-more to come to rest, for little.
+"""Steps of a level, and late steps while it is nearly met or still gains: a body far out of reach would take many more
+to come to rest, for little gain.
 """
 REDUNDANT_STEPS = 6
-"""Steps of a level with redundant limbs."""
+"""Greatest number of steps of a level whose chain frees shoulders or hips."""
 FULL_NEWTON_STEPS = 12
-"""Steps of a level with full Newton steps, after which it has converged: a head pulled down buckles a spine slowly."""
+"""Greatest number of steps of a level with full Newton steps: a spine that buckles under a head pulled down converges
+slowly.
+"""
 DAMPING_DECAY = 0.25
 """Factor of the damping from one step of a level to the next: directions with little effect are freed last. Levels with
-a balance keep their damping: they would sink to the ground, or fling limbs about.
+a balance keep their damping, because they would sink to the ground, or fling limbs about.
 """
 LIMITED_LEG_STEPS = 12
-"""Steps of a level with a leg at its limits: its residual tells the root little."""
+"""Greatest number of steps of a level with a leg at its joint limits, whose residual hardly depends on the root to
+first order.
+"""
 FIRST_STEPS = 2
-"""Steps along the rows' directions before full Newton steps, which need a level without planted feet and higher levels:
-held rows would bend the directions of all joints too.
+"""Steps along the rows' directions before full Newton steps. Those are taken only without planted feet and higher
+levels, because held rows would bend the directions of all joints too.
 """
 SOFT_FLEXION_RANGE = 0.05
-"""Last fraction of the range between greatest and least reach, in which a limb folds softly."""
+"""Fraction of the range between greatest and least reach, above the least, in which a limb folds softly."""
 RESTORATION_STEPS = 8
-"""Steps of a feasibility restoration for the levels above."""
+"""Greatest number of steps of a feasibility restoration for the levels above."""
 RESTORATION_DECREASE = 0.7
-"""Fraction of the least violation so far that a restoration step may leave; after two that leave more it ends."""
+"""Greatest fraction of the least violation so far that a successful restoration step leaves; the second unsuccessful
+step ends the restoration.
+"""
 
 
 @kernel
 def solve_frame(level_count, problem):
-    """Move one posed frame until its tasks hold as far as chains and priorities allow."""
+    """Solve the tasks of one frame, ``level_count`` levels in order of priority, as far as chains and priorities
+    allow.
+    """
     tasks, chain, body, search, pose = problem.tasks, problem.chain, problem.body, problem.search, problem.pose
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     zero_points(search.state)
@@ -118,8 +130,9 @@ def solve_frame(level_count, problem):
 
 @kernel
 def update_limb_limits(problem):
-    """Write the unsolved angles of every limb with a task or a joint in the search; of wrists and ankles where hand or
-    foot have tasks.
+    """Write the unsolved joint angles of every limb that has a task or a joint in the search.
+
+    Those of wrists and ankles are included where hand or foot have tasks.
     """
     tasks, joint_of_segment, body, start = problem.tasks, problem.chain.joint_of_segment, problem.body, problem.start
     limits = body.limits
@@ -138,7 +151,7 @@ def update_limb_limits(problem):
 
 @kernel
 def is_level_active(level, tasks):
-    """True if any task of this level is active."""
+    """True if any task of a level is active."""
     acts = False
     for c in range(tasks.shape[0]):
         acts = acts or (tasks[c].level == level and tasks[c].status == ACTIVE)
@@ -147,7 +160,10 @@ def is_level_active(level, tasks):
 
 @kernel
 def solve_level(level, fresh, problem):
-    """Solve one level by Newton steps with the levels above held, and restore those at the end."""
+    """Solve one level by Newton steps with the levels above held, then restore the residuals of those.
+
+    ``fresh`` is true if no higher level has been solved at this frame.
+    """
     tasks, chain, search = problem.tasks, problem.chain, problem.search
     stiff = release_stiff_limbs(level, tasks)
     copy_points(search.state, search.level_start)
@@ -165,7 +181,7 @@ def solve_level(level, fresh, problem):
 
 @kernel
 def take_steps(level, fresh, problem):
-    """Take steps until the level is met, or gains no more."""
+    """Take steps until a level is met, or gains no more."""
     tasks, chain, search = problem.tasks, problem.chain, problem.search
     past = search.last_step[0]
     past.residual = 0.0
@@ -190,7 +206,9 @@ def take_steps(level, fresh, problem):
 
 @kernel
 def keep_priority(level, problem):
-    """Restore the levels above, or back-track; where that fails, drop the level and reset the body to its start."""
+    """Restore the residuals of the levels above, or back-track; where that fails, drop the level and reset the body to
+    its start.
+    """
     tasks, search = problem.tasks, problem.search
     violation, backtracking = restore_feasibility(level, ALLOWED_VIOLATION, True, problem), search.backtracking[0]
     if violation < ALLOWED_VIOLATION:
@@ -208,7 +226,9 @@ def keep_priority(level, problem):
 
 @kernel
 def pose_level_fraction(fraction, level, problem):
-    """Pose the body at ``fraction`` of the level's step, and restore the levels above; the remaining violation."""
+    """Pose the body at ``fraction`` of the level's step, and restore the levels above; returns the remaining priority
+    violation.
+    """
     search = problem.search
     blend_points(fraction, search.level_start, search.trial_state, search.state)
     place_body(level, False, problem)
@@ -217,7 +237,7 @@ def pose_level_fraction(fraction, level, problem):
 
 @kernel
 def restart_level(level, problem):
-    """Recompute the limbs after tasks of ``level`` were dropped."""
+    """Solve the limbs again after tasks of a level were dropped."""
     tasks, body, search, pose = problem.tasks, problem.body, problem.search, problem.pose
     restore_caps(body.limits)
     changed = find_end_tasks(level, tasks, pose.positions.shape[0] - POINTS_BESIDE_SPINE, search.end_tasks)
@@ -227,8 +247,8 @@ def restart_level(level, problem):
 
 @kernel
 def drop_conflicting_tasks(level, problem):
-    """Drop tasks of this level on limbs whose joint limits cannot satisfy them together with a higher orientation task;
-    True if any.
+    """Drop tasks of a level on limbs whose joint limits do not allow them beside a higher orientation task; True if
+    any.
 
     No joint of the trunk could restore that orientation.
     """
@@ -251,8 +271,10 @@ def drop_conflicting_tasks(level, problem):
 
 @kernel
 def restore_feasibility(level, most, both_ways, problem):
-    """Restore the residuals above this level, ``both_ways`` also where they have decreased, until they differ by less
-    than ``most`` metres; the remaining violation.
+    """Restore the residuals of the levels above until they have increased by less than ``most``; returns the remaining
+    priority violation.
+
+    Metres or radians. With ``both_ways`` decreases count as well as increases.
     """
     chain, least, fails = problem.chain, math.inf, 0
     violation = priority_violation(level, both_ways, problem)
@@ -273,7 +295,7 @@ def restore_feasibility(level, most, both_ways, problem):
 
 @kernel
 def level_moves_root(level, tasks, chain):
-    """True if any task of this level may move the root."""
+    """True if any active task of a level may move the root."""
     root = chain.joint_of_segment[-1]
     frees = False
     for c in range(tasks.shape[0]):
@@ -285,7 +307,7 @@ def level_moves_root(level, tasks, chain):
 
 @kernel
 def drop_level(level, tasks):
-    """Drop the tasks of a level that cannot be met beside the levels above at this frame."""
+    """Drop the tasks of a level, which cannot be met beside the levels above at this frame."""
     for c in range(tasks.shape[0]):
         if tasks[c].level == level and tasks[c].status != INACTIVE:
             drop_task(tasks[c])
@@ -293,7 +315,10 @@ def drop_level(level, tasks):
 
 @kernel
 def place_body(level, fresh, problem):
-    """Pose the body from its joints' state, and solve its limbs; a fresh pose is in place already."""
+    """Pose the body from its joints' state, and solve its limbs for all tasks down to a level.
+
+    With ``fresh`` the body is in its unsolved pose already.
+    """
     chain, search = problem.chain, problem.search
     if not fresh:
         pose_body(problem)
@@ -313,7 +338,7 @@ def reset_rotations(segment_rotations):
 
 @kernel
 def is_level_met(level, problem):
-    """True if the tasks of this level are met as limbs were placed, and those above are unchanged."""
+    """True if the tasks of a level are met by the limbs alone, and the residuals of the levels above are unchanged."""
     tasks = problem.tasks
     for c in range(tasks.shape[0]):
         row = tasks[c]
@@ -324,7 +349,9 @@ def is_level_met(level, problem):
 
 @kernel
 def priority_violation(level, both_ways, problem):
-    """Greatest increase or, ``both_ways``, change of a residual above this level, in metres or radians."""
+    """Greatest increase of a residual of the levels above since it was saved, in metres or radians; with ``both_ways``
+    the greatest change.
+    """
     tasks = problem.tasks
     worst = 0.0
     for c in range(tasks.shape[0]):
@@ -337,9 +364,10 @@ def priority_violation(level, both_ways, problem):
 
 @kernel
 def save_task_results(first, level, problem):
-    """Save the results of the higher-priority tasks, which this level has to keep.
+    """Save the results of all higher-priority tasks, which a level has to keep.
 
-    Those above ``first``, the level solved last, keep their earlier residuals, so that errors do not accumulate.
+    Residuals of the levels above ``first``, the level solved last, stay as saved earlier, so that errors do not
+    accumulate.
     """
     tasks, pose = problem.tasks, problem.pose
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
@@ -365,9 +393,10 @@ def save_task_results(first, level, problem):
 
 @kernel
 def update_reaches(level, changed, problem):
-    """Update the greatest, least and agreed reach of each limb for each end of its tasks, in metres.
+    """Update the greatest, least and agreed reach of the limbs for each end of the tasks of a level, in metres.
 
-    Levels above keep theirs, but for limbs whose end is held by another task now, the ``changed`` (bits).
+    Tasks of the levels above keep theirs, except on the limbs in the bit mask ``changed``, whose hand or foot is held
+    by another task now.
     """
     tasks = problem.tasks
     for c in range(tasks.shape[0]):
@@ -387,11 +416,11 @@ def update_reaches(level, changed, problem):
 
 @kernel
 def update_reach(c, end, own, problem):
-    """Update least, greatest and agreed reach of one end of a task; those of the ``own`` level from the limb's present
-    root.
+    """Update least, greatest and agreed reach in metres of a limb for one end of task ``c``.
 
-    Beyond its soft-IK threshold (or the extension of the motion) the limb extends softly, so that its extension is
-    smooth in time and the trunk covers the rest without error (METHOD 8, "reach sharing").
+    With ``own``, for a task of the level being solved, the position of the limb's root is saved first. Beyond its
+    soft-IK threshold (or its extension in the motion) the limb extends softly, so that its extension is smooth in time
+    and the trunk covers the rest without error (METHOD 8, "reach sharing").
     """
     body, start, row = problem.body, problem.start, problem.tasks[c]
     limb, origin = row.limbs[end], row.root_positions[end]

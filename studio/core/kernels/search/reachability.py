@@ -1,4 +1,4 @@
-"""Reach of a chain's joints, and targets moved within it (METHOD (32)).
+"""Displacement that a chain's joints can reach, and targets moved to within it (METHOD (32)).
 
 For a target out of reach, joints at their limits would whirl about from one frame to the next.
 """
@@ -13,21 +13,21 @@ from studio.core.kernels.search.joints import ROOT_TRANSLATION, SOFT_JOINT_LIMIT
 from studio.core.kernels.tasks.goals import interpolate_point
 
 ROOT_DETOUR = 0.25
-"""Metres that a root may move sideways around the limit of a stretched leg."""
+"""Distance in metres that a root may move sideways around the limit of a stretched leg."""
 REACHABLE_SOFTNESS = 0.02
 """Least range in metres over which a displacement saturates: a chain that contributes a few millimetres must not do so
-at once.
+suddenly.
 """
 
 
 @kernel
 def reachable_distance(c, x, y, z, point, segment, problem):
-    """Displacement in metres along the unit (x, y, z) that all joints of task ``c`` together give ``point`` (3,) of
-    ``segment``; inf for a free root.
+    """Displacement in metres along the unit (x, y, z) that all joints of task ``c`` together can give ``point`` (3,) of
+    ``segment``; inf with a free root.
 
     A joint that sees the point at an angle a from the direction, and rotates by b at most, displaces it by r (cos(a -
-    b) - cos a). Where the direction leads to the joint any axis would do; there it fades like sin^2 a, and several
-    joints together contribute more.
+    b) - cos a). Where the direction points at the joint, the contribution fades like sin^2 a, because any axis would
+    do; several joints together contribute more.
     """
     chain, body, pose = problem.chain, problem.body, problem.start
     weights, joints, limits = chain.weights, chain.joints, chain.limits
@@ -61,8 +61,8 @@ def has_single_joint(c, segment, chain):
 
 @kernel
 def root_travel(x, y, z, body, pose):
-    """Approximate distance in metres that the root can move along the unit (x, y, z) before a planted leg is out of
-    reach.
+    """Approximate distance in metres by which the root can move along the unit (x, y, z) before a planted foot is out
+    of reach.
     """
     ankles, total = body.legs.ankles, 0.0
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
@@ -81,7 +81,9 @@ def root_travel(x, y, z, body, pose):
 
 @kernel
 def soft_reachable_distance(distance_to_go, reachable):
-    """Part of a distance that is requested of joints with a ``reachable`` distance: softly no more (METHOD (32))."""
+    """Part of ``distance_to_go`` that is requested of joints that can reach ``reachable``: softly no more than that
+    (METHOD (32)).
+    """
     if reachable == math.inf or distance_to_go <= SOFT_JOINT_LIMIT * reachable:
         return distance_to_go
     if reachable <= 1e-6:
@@ -94,8 +96,10 @@ def soft_reachable_distance(distance_to_go, reachable):
 
 @kernel
 def update_unreachable_fraction(c, row, problem):
-    """Write into ``slack`` the fraction of the way from the start position of a task's first point that is not
-    requested.
+    """Write into ``slack`` of a task the fraction of the way from its first point to the goal that is not requested of
+    the joints.
+
+    The way begins at the point's unsolved position.
     """
     position, point = row.goal_positions[0], row.start_position
     x, y, z = position[0] - point[0], position[1] - point[1], position[2] - point[2]
@@ -110,5 +114,5 @@ def update_unreachable_fraction(c, row, problem):
 
 @kernel
 def reachable_target(row):
-    """Target (x, y, z) of a task's first point that is requested of the joints."""
+    """Target position (x, y, z) of a task's first point, moved to within the reach of the joints."""
     return interpolate_point(row.goal_positions[0], row.start_position, row.slack[0])

@@ -1,4 +1,4 @@
-"""Motion of one foot on a level floor (METHOD 5)."""
+"""Grounded motion of one foot on a level floor (METHOD 5)."""
 
 import math
 from typing import NamedTuple
@@ -27,12 +27,13 @@ class FootPlan(NamedTuple):
 
 @allocating_kernel
 def plan_foot(states, soles, height, is_level, reach, balls, plan):
-    """Ground one foot on a level floor (METHOD 5): ``plan`` (a ``FootPlan``) as retargeted becomes the grounded foot,
-    in place.
+    """Ground one foot on a level floor, in place: ``plan``, the foot as retargeted, becomes the grounded foot (METHOD
+    5).
 
-    ``states`` (F,); ``soles`` (F or 1, 6); ``height`` of the floor in metres; ``reach`` frames; ``balls`` (F,) heights
-    in metres of the toe joint as retargeted. If the ground ``is_level`` heels rise, and a foot in the air moves, as
-    captured; else corrections are interpolated between footprints, as their displacements to the ground will be.
+    ``states`` (F,); ``soles`` (F or 1, 6); ``height`` of the floor in metres; ``reach`` in frames; ``balls`` (F,)
+    heights in metres of the toe joint as retargeted. If the ground ``is_level``, heels rise, and a foot in the air
+    moves, as captured; otherwise corrections are interpolated between footprints, as the displacements to uneven ground
+    will be.
     """
     count = states.shape[0]
     if not (states != 0).any():

@@ -1,6 +1,6 @@
 """Clearance of swing feet above a level floor: toes bend up, then the ankle rises (METHOD 5).
 
-Both are smooth functions of the sole's height; toes bend a little before they have to.
+Both are smooth functions of the sole's height; toes bend shortly before it is necessary.
 """
 
 import math
@@ -21,25 +21,27 @@ from studio.core.kernels.support.sole import (
 )
 
 SWING_CLEARANCE = 0.2
-"""Height above the floor, as a fraction of the ankle's, below which a swing foot begins to rise; 3/16 of it is kept."""
+"""Height above the floor, as a fraction of the ankle's height, below which a swing foot begins to rise; at floor level
+it is raised by 3/16 of this.
+"""
 SWING_FADE = 0.15
-"""Seconds from its nearest contact in which a foot becomes free, and the clearance grows from zero."""
+"""Seconds from its nearest contact within which a foot becomes free, and its clearance grows from zero."""
 TOE_BEND_FADE = 0.6
-"""Horizontal extent of a toe, as a fraction of its length, below which the bend fades: one that points down
-is raised.
+"""Horizontal extent of a toe, as a fraction of its length, below which the bend fades: the ankle is raised instead for
+a toe that points down.
 """
 TOE_BEND_LEAD = SWING_FADE / 4.0
-"""Seconds before and after the need by which toes bend, and over which they do so."""
+"""Seconds before and after a necessary bend by which toes are bent, and over which the bend is averaged."""
 MAX_TOE_BEND = math.radians(85.0)
-"""Greatest upward bend of the toes, approached softly."""
+"""Greatest upward bend of the toes in radians, approached softly."""
 
 
 @allocating_kernel
 def raise_swing_foot(soles, states, ground, frame_rate, ankles, feet, toes):
     """Raise a foot in the air and bend its toes up, in place, so that no part of it is below the floor (METHOD 5, (7)).
 
-    ``soles`` (F or 1, 6) as in ``morphology.sole_rows``, ``states`` (F,), ``ground`` a height; ``ankles`` (F, 3),
-    ``feet``, ``toes`` (F, 3, 3). A foot that lies on its instep, sole up, stays.
+    ``soles`` (F or 1, 6) and ``states`` (F,) of ``kernels.support.sole``; ``ground`` the floor's height in metres;
+    ``ankles`` (F, 3), ``feet``, ``toes`` (F, 3, 3). A foot that lies on its instep, sole up, stays.
     """
     count = states.shape[0]
     weights, bends, bent_early = np.empty((2, count)), np.zeros(count), np.empty(count)
@@ -54,7 +56,9 @@ def raise_swing_foot(soles, states, ground, frame_rate, ankles, feet, toes):
 
 @kernel
 def toe_bends(soles, states, ground, weights, ankles, feet, toes, out_bends):
-    """Write the upward bends (F,) in radians of the toes of a swing foot; ``weights`` (F,) scale their clearance."""
+    """Write the upward bends (F,) in radians that clear the toes of a swing foot; ``weights`` (F,) scale the
+    clearance.
+    """
     for frame in range(states.shape[0]):
         foot, sole = feet[frame], soles[frame if soles.shape[0] > 1 else 0]
         upright = sole_down_fraction(foot)
@@ -75,8 +79,8 @@ def toe_bends(soles, states, ground, weights, ankles, feet, toes, out_bends):
 def smooth_toe_bends(stands, reach, bends, out_bends):
     """Write a smooth upper envelope of ``bends`` (F,): the maximum within ``reach`` frames, averaged over as many.
 
-    Toes that bend only once they would be in the floor snap up in a frame. Near contacts (``stands``) they follow
-    ``bends``.
+    Toes that bend only at the moment when they would touch the floor snap up in a frame. Near contacts (``stands``) the
+    result follows ``bends``.
     """
     count = bends.shape[0]
     greatest, free = np.empty(count), np.empty(count)
@@ -97,8 +101,8 @@ def smooth_toe_bends(stands, reach, bends, out_bends):
 
 @kernel
 def raise_ankles(soles, states, ground, weights, ankles, feet, toes):
-    """Raise the ankle of a swing foot until heel, ball and tip of its toes have their clearance; ``weights`` (F,) scale
-    it.
+    """Raise the ankle of a swing foot until heel, ball and tip of its toes are clear of the floor; ``weights`` (F,)
+    scale the clearance.
     """
     for frame in range(states.shape[0]):
         foot, sole = feet[frame], soles[frame if soles.shape[0] > 1 else 0]
@@ -118,7 +122,7 @@ def raise_ankles(soles, states, ground, weights, ankles, feet, toes):
 
 @kernel
 def clearance_weights(states, bits, frame_rate, out_weights):
-    """Write the weights (F,) of the clearance: 0 in frames in contact (``states & bits``), fading to 1 in the air."""
+    """Write the weights (F,) of the clearance: 0 in frames whose state has any of ``bits``, fading to 1 in the air."""
     count, reach = states.shape[0], SWING_FADE * frame_rate
     gap = reach
     for frame in range(count):
@@ -132,7 +136,11 @@ def clearance_weights(states, bits, frame_rate, out_weights):
 
 @kernel
 def toe_bend(joint, length, thickness, margin, upright, toe):
-    """Rotation in radians of a ``toe`` (3, 3) about its left axis that clears its tip; ``joint`` is its height."""
+    """Rotation in radians of a ``toe`` (3, 3) about its left axis that clears its tip.
+
+    ``joint`` is the height of the toe joint above the floor, ``thickness`` that of the joint above the sole, ``margin``
+    the clearance, all in metres; ``upright`` scales the result.
+    """
     along, over = toe[2, 0] * length - toe[2, 2] * thickness, toe[2, 2] * length + toe[2, 0] * thickness
     raised = penetration_correction(joint + along, margin)
     if raised == 0.0:
@@ -151,7 +159,7 @@ def toe_bend(joint, length, thickness, margin, upright, toe):
 
 @small_kernel
 def bend_toe_up(angle, toe):
-    """Rotate a ``toe`` (3, 3), in place, up about its left axis."""
+    """Rotate a ``toe`` (3, 3), in place, up about its left axis by ``angle`` radians."""
     if angle == 0.0:
         return
     c, s = math.cos(angle), math.sin(angle)

@@ -1,6 +1,8 @@
 """Jacobian rows of the tasks for ``kernels.search.null_space_step`` (METHOD 9).
 
-Records are those of ``kernels.records``.
+Functions that add rows write them from row ``count`` on, and return the new number of rows. ``weight_row`` is the row
+of the joint weights that moves joints for them; ``is_held`` is true for the rows of a higher level, which hold its
+result. Records are those of ``kernels.records``.
 """
 
 import math
@@ -48,7 +50,9 @@ from studio.core.kernels.tasks.upright import add_upright_rows
 
 @kernel
 def add_root_reach_rows(weight_row, count, problem):
-    """Add an inequality row for each planted leg: its hip stays within reach of the ankle. The new number of rows."""
+    """Add an inequality row for each planted leg, which keeps its hip within reach of its ankle; returns the new number
+    of rows.
+    """
     chain, body, task_rows, positions = problem.chain, problem.body, problem.search.rows, problem.pose.positions
     ankles = body.legs.ankles
     spine_count = positions.shape[0] - POINTS_BESIDE_SPINE
@@ -71,7 +75,9 @@ def add_root_reach_rows(weight_row, count, problem):
 
 @kernel
 def add_rows(c, level, weight_row, is_held, count, problem):
-    """Add the rows of one task, towards its goal or, when held, towards its result; the new number of rows."""
+    """Add the rows of one task, towards its goal or, if held, towards its saved result; returns the new number of
+    rows.
+    """
     tasks, search = problem.tasks, problem.search
     task_rows = search.rows
     row = tasks[c]
@@ -121,10 +127,11 @@ def add_rows(c, level, weight_row, is_held, count, problem):
 
 @kernel
 def add_rotation_rows(row, weight_row, is_held, count, problem):
-    """Add three rows that rotate a segment of the trunk, or one row that holds the residual of a limited limb.
+    """Add three rows that rotate a segment of the trunk, or one row that holds the residual of a limb segment at its
+    limits.
 
     Limb segments are rotated in closed form; a held one keeps the residual that limits leave, as if the limb were
-    stiff.
+    rigid.
     """
     chain, pose, task_rows = problem.chain, problem.pose, problem.search.rows
     segment = row.segments[0]
@@ -154,8 +161,9 @@ def add_rotation_rows(row, weight_row, is_held, count, problem):
 
 @kernel
 def add_balance_rows(row, level, weight_row, is_held, count, problem):
-    """Add two rows that move the centre of mass horizontally, or three, with arms that reach for goals down to
-    ``level``.
+    """Add two rows that move the centre of mass horizontally, or three rows if its height counts.
+
+    Arms with position tasks down to ``level`` are taken to reach for their goals meanwhile.
     """
     tasks, chain, masses, positions = problem.tasks, problem.chain, problem.body.masses, problem.pose.positions
     task_rows, sums = problem.search.rows, problem.search.mass_sums
@@ -186,9 +194,9 @@ def add_balance_rows(row, level, weight_row, is_held, count, problem):
 
 @kernel
 def add_dropped_task_row(c, level, end, weight_row, count, problem):
-    """Add a row that holds the residual of a dropped position task on an arm, which moves rigidly with its parent.
+    """Add a row that holds the residual of a dropped position task on an arm, which then moves rigidly with its parent.
 
-    If another task poses the arm, its effect on the residual is checked at the end.
+    No row is added if another task poses the arm; its effect on the residual is checked at the end.
     """
     tasks, chain, pose, task_rows = problem.tasks, problem.chain, problem.pose, problem.search.rows
     row = tasks[c]
@@ -211,7 +219,7 @@ def add_dropped_task_row(c, level, end, weight_row, count, problem):
 
 @kernel
 def add_position_rows(row, end, weight_row, is_held, count, problem):
-    """Add three rows that move a point of the trunk, or of a fixed limb, to its goal."""
+    """Add three rows that move a point of the trunk, or of a limb that the task may not bend, to its goal."""
     chain, pose, task_rows = problem.chain, problem.pose, problem.search.rows
     point, segment = end_position(row, end, pose), row.segments[end]
     first, follows = count, is_position(row) and row.points[1] >= 0
