@@ -33,23 +33,25 @@ from studio.core.stage.correction import Correction
 
 FloatArray = NDArray[np.float64]
 Turns = Mapping[int, FloatArray]
-"""Rotation offsets (N, 3, 3) by segment, in the segment's own axes."""
+"""Rotations (N, 3, 3) of segments, in the segments' own axes, by segment index."""
 
 
 class PosedFrames(NamedTuple):
-    """Frames of a body: positions of points (N, P, 3) in metres, rotations of segments (N, S, 3, 3)."""
+    """Poses of N frames of a body."""
 
     positions: FloatArray
+    """(N, P, 3) metres."""
     rotations: FloatArray
+    """(N, S, 3, 3) in the world."""
 
 
 LIMB_CHANNELS = slice(at.CLAVICLE, at.HEAD_SHIFT)
-"""Channels of arms and legs: what places limbs on their ends reads them."""
+"""Channels of arms and legs, from which limbs are placed on their ends."""
 
 
 @project_cache(maxsize=4)
 def with_corrections_below(standing: GroundedMotion, corrections: tuple[Correction, ...]) -> GroundedMotion:
-    """Grounded motion with those ``corrections`` that are below the constraints; the same object if there are none."""
+    """Grounded motion with those ``corrections`` that are below the constraints; the same object if none is active."""
     below = tuple(each for each in corrections if not each.above)
     times = standing.motion.times
     acting = np.zeros(len(times), dtype=np.bool_)
@@ -109,7 +111,10 @@ def with_corrections_above(adapted: AdaptedMotion, standing: GroundedMotion, req
 
 
 def segment_turns(layout: BodyLayout, turns: Mapping[BodyPart, FloatArray]) -> Turns:
-    """Rotation vectors (N, 3) of segments from those of parts; the abdomen's is divided among the inner vertebrae."""
+    """Rotations (N, 3, 3) of segments from rotation vectors (N, 3) of body parts.
+
+    The abdomen's rotation is divided evenly among the inner vertebrae.
+    """
     found: dict[int, FloatArray] = {}
     for part, vectors in turns.items():
         inner = range(1, layout.spine_count - 1) if part is BodyPart.ABDOMEN else ()
@@ -123,7 +128,9 @@ def segment_turns(layout: BodyLayout, turns: Mapping[BodyPart, FloatArray]) -> T
 def with_segments_turned(
     layout: BodyLayout, posed: PosedFrames, turns: Turns, shift: FloatArray | None = None
 ) -> PosedFrames:
-    """Frames with segments turned in their own axes and the root moved by ``shift`` (N, 3) metres."""
+    """Copy of frames with segments rotated in their own axes by ``turns``, and the root moved by ``shift`` (N, 3)
+    metres.
+    """
     positions, rotations, original = posed.positions.copy(), posed.rotations.copy(), posed.positions
     parents, proximal, distal = layout.parent_segments(), layout.proximal_points(), layout.distal_points()
     deltas: list[FloatArray | None] = []
@@ -154,7 +161,7 @@ def _carried(delta: FloatArray | None, vectors: FloatArray) -> FloatArray:
 def _posed(
     standing: GroundedMotion, corrections: Sequence[Correction], window: slice, posed: PosedFrames
 ) -> PosedFrames:
-    """Poses of the frames of ``window`` with some corrections, one after the other."""
+    """Poses of the frames of ``window`` with ``corrections`` applied to ``posed``, one after the other."""
     layout, times = standing.morphology.layout, standing.motion.times[window]
     heading = standing.motion.channels[window, at.YAW]
     for each in corrections:
@@ -171,14 +178,14 @@ def _posed(
 
 
 def along_heading(vectors: FloatArray, heading: FloatArray) -> FloatArray:
-    """Vectors (N, 3) given in the axes of a heading (N,) in the axes of the motion's space."""
+    """Vectors (N, 3) in the motion's space from components in the axes of a heading (N,), radians."""
     x, y, z = vectors.T
     c, s = np.cos(heading), np.sin(heading)
     return np.stack([c * x - s * y, s * x + c * y, z], axis=1)
 
 
 def _limb_channels(standing: GroundedMotion, window: slice, posed: PosedFrames) -> FloatArray:
-    """Channels (N, ...) of arms and legs of posed frames."""
+    """Channels (N, n) of arms and legs of posed frames, those of ``LIMB_CHANNELS``."""
     body, rate = standing.morphology, standing.motion.frame_rate
     if not isinstance(body, AnimatedMorphology):
         return np.asarray(encode_motion(posed.positions, posed.rotations, body, rate).channels[:, LIMB_CHANNELS])
@@ -197,7 +204,7 @@ def _release_feet(
     before: PosedFrames,
     posed: PosedFrames,
 ) -> None:
-    """Move targets of ankles, feet and toes with the corrected pose as far as contacts release them, in place."""
+    """Move targets of ankles, feet and toes with the corrected pose, as far as contacts release the feet, in place."""
     layout = standing.morphology.layout
     for side, foot in enumerate((BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT)):
         planted = standing.limb_freedoms[2 + side] == 0.0
@@ -217,7 +224,7 @@ def _lowering(
     before: PosedFrames,
     posed: PosedFrames,
 ) -> FloatArray:
-    """Additional root lowering (N,) in metres that corrected planted legs need."""
+    """Additional root lowering (N,) in metres that keeps corrected planted legs in reach of their ankles."""
     rows = at_frames(standing.morphology.rows, window)
     states, thresholds = (
         np.ascontiguousarray(each[:, window]) for each in (standing.footing.states, footing.soft_thresholds)

@@ -16,21 +16,22 @@ from studio.core.solver.correction_layer import PosedFrames, segment_turns, with
 
 FloatArray = NDArray[np.float64]
 Turns = dict[BodyPart, FloatArray]
-"""Rotation vectors (3,) of parts, in their own axes."""
+"""Rotation vectors (3,) of body parts, in the parts' own axes, radians."""
 
 NEARLY_STRAIGHT = 0.999
-"""Greatest extension of a limb that is pulled, in limb lengths."""
+"""Greatest extension of a limb that is dragged, as a fraction of its length."""
 HEAD_CHAIN, HEAD_ROUNDS = (BodyPart.NECK, BodyPart.THORAX, BodyPart.ABDOMEN), 6
+"""Parts that move the head, from top to bottom, and number of rounds over them."""
 HEAD_GAINS = (0.4, 0.3, 0.6)
-"""Fractions of the remaining rotation that each part of the head's chain makes in a round."""
+"""Fraction of the remaining rotation that each part of ``HEAD_CHAIN`` makes in a round."""
 
 
 def limb_turns(
     layout: BodyLayout, positions: FloatArray, rotations: FloatArray, upper: BodyPart, target: FloatArray
 ) -> Turns:
-    """Rotations that bring the end of a limb to ``target`` (3,), or as near as it reaches.
+    """Rotations of body parts that bring the end of a limb to ``target`` (3,), or as near as the limb reaches.
 
-    ``upper`` is its upper segment; ``positions`` (P, 3) and ``rotations`` (S, 3, 3) of one frame.
+    ``upper`` is the limb's upper segment; ``positions`` (P, 3) and ``rotations`` (S, 3, 3) are one frame.
     """
     segment = layout.segment_of_part(upper)
     lower, end = layout.part_of_segment(segment + 1), layout.part_of_segment(segment + 2)
@@ -67,7 +68,7 @@ def head_turns(layout: BodyLayout, positions: FloatArray, rotations: FloatArray,
 
 
 def composed_rotations(turn: Mapping[BodyPart, FloatArray], before: Mapping[BodyPart, FloatArray]) -> Turns:
-    """Rotation vectors of ``before`` followed, in their own axes, by those of ``turn``."""
+    """Rotation vectors of the rotations ``before`` followed, in the parts' own axes, by those of ``turn``."""
     return {part: to_rotation_vector(_product(before[part], step)) for part, step in turn.items()}
 
 
@@ -86,7 +87,9 @@ def _with(
 
 
 def _bend(root: FloatArray, middle: FloatArray, tip: FloatArray, hinge: FloatArray, wanted: float) -> float:
-    """Angle about ``hinge`` through ``middle`` that puts the tip ``wanted`` metres from the root, the smaller one."""
+    """Angle in radians about ``hinge`` through ``middle`` that puts the tip ``wanted`` metres from the root; the
+    smaller one.
+    """
     to_root, to_tip = root - middle, tip - middle
     along = to_tip - (to_tip @ hinge) * hinge
     across = np.cross(hinge, along)

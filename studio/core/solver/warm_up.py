@@ -1,4 +1,4 @@
-"""Compilation of all kernels, or loading them from the cache, in advance."""
+"""Trial calls that compile all kernels, or load them from the cache, in advance."""
 
 import numpy as np
 
@@ -34,23 +34,25 @@ WARM_UP_FRAMES = 4
 WARM_UP_POINT = BodyPoint(BodyPart.LEFT_HAND)
 WARM_UP_ACTIVATION = ActivationCurve(0.0, 0.0, 1.0, 1.0)
 TRIANGLE = TriangleMesh(np.array(((0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1))), np.array([[0, 1, 2]]))
-"""Positions in metres of a mesh for trial calls."""
+"""Mesh of one triangle for trial calls, positions in metres."""
 
 
 def warm_up(morphology: Morphology) -> AdaptedMotion:
-    """Adapt four still frames to ``morphology`` with a contact and a constraint: the kernels of most scenes."""
+    """Adapt four still frames to ``morphology`` with a contact and a constraint, to compile the kernels of most
+    scenes.
+    """
     contact = ContactInterval("warm-up", ContactPoint.LEFT_TOE, 0, WARM_UP_FRAMES - 1)
     warm_up_easing(morphology)
     return adapt(AdaptRequest(_still_motion(), morphology, (contact,), (_reach(),)))
 
 
 def warm_up_grounded_motion(morphology: Morphology) -> GroundedMotion:
-    """The part of ``warm_up`` before constraints, a third of it."""
+    """Ground four still frames, to compile the kernels used before constraints, a third of ``warm_up``."""
     return grounded_motion_of(AdaptRequest(_still_motion(), morphology))
 
 
 def warm_up_easing(morphology: Morphology) -> None:
-    """Call the kernels of smoothing."""
+    """Call the kernels of smoothing on four still frames, to compile them."""
     charts = LimbCoordinates(
         morphology.layout, np.stack([rest_pose(morphology)[1]] * WARM_UP_FRAMES), limb_limit_records(morphology)
     )
@@ -61,7 +63,7 @@ def warm_up_easing(morphology: Morphology) -> None:
 
 
 def warm_up_constraints(morphology: Morphology) -> AdaptedMotion:
-    """The part of ``warm_up`` with constraints."""
+    """Solve constraints on four still frames, to compile the kernels of the search."""
     return solve_constraints(_placed(morphology), (_reach(),))
 
 
@@ -79,7 +81,9 @@ def _placed(morphology: Morphology) -> GroundedMotion:
 
 
 def warm_up_support(morphology: Morphology) -> GroundedMotion:
-    """Call the kernels of hands, knees and seat in contact, hand contacts, and feet out of reach."""
+    """Ground four still frames with hands, knees and seat in contact, hand contacts, and feet out of reach, to compile
+    those kernels.
+    """
     points = ContactPoint.LEFT_TOE, ContactPoint.LEFT_HAND, ContactPoint.LEFT_KNEE, ContactPoint.SEAT
     touches = Touch.HANDS_TOGETHER, Touch.LEFT_HAND_ON_TRUNK
     contacts = tuple(ContactInterval("warm-up", point, 1, 2) for point in (*points, *touches))
@@ -93,7 +97,7 @@ def warm_up_support(morphology: Morphology) -> GroundedMotion:
 
 
 def warm_up_seldom(morphology: Morphology) -> None:
-    """Call the kernels of rare kinds of constraint: self-collision and mesh areas."""
+    """Pack rare kinds of constraint, self-collision and mesh areas, to compile their kernels."""
     what = "warm-up", "", WARM_UP_POINT, Chain(), 0, WARM_UP_ACTIVATION
     asked = ClearConstraint(*what), AreaConstraint(*what, shape=AreaShape.MESH, mesh=TRIANGLE)
     standing = warm_up_support(morphology)
@@ -102,6 +106,7 @@ def warm_up_seldom(morphology: Morphology) -> None:
 
 
 def _still_motion() -> NormalizedMotion:
+    """Normalised motion of four still frames."""
     channels = np.zeros((WARM_UP_FRAMES, at.SPINE + 4))
     channels[:, at.HIPS + 2] = 0.9
     for column in at.QUATERNION_COLUMNS:
@@ -113,6 +118,7 @@ def _still_motion() -> NormalizedMotion:
 
 
 def _reach() -> PositionConstraint:
+    """Position constraint of a hand."""
     return PositionConstraint(
         "warm-up",
         "Reach",

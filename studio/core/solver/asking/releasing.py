@@ -1,8 +1,8 @@
-"""Constraints on a limb yield to its contacts, and take over as these are released.
+"""Constraints on a limb yield to its ground contacts, and take over as the contacts are released.
 
 A position target starts at the contact's position and moves to its own, so the point is on a target at every frame.
-Blending the solutions instead would make the residual depend on constraints of lower priority. All other
-kinds fade in and out with the contact.
+Blending the solutions instead would make the residual depend on constraints of lower priority. All other kinds fade in
+and out with the contact.
 """
 
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ FloatArray = NDArray[np.float64]
 def contact_release(
     constraints: Sequence[Constraint], standing: GroundedMotion, window: slice = slice(None)
 ) -> FloatArray:
-    """Release fraction (C, F) of the limb of each constraint from its contacts, 1 without limb."""
+    """Release fraction (C, F) of the limb of each constraint from its contacts, 0 in contact; 1 without limb."""
     freedoms = standing.limb_freedoms[:, window]
     fractions = np.ones((len(constraints), freedoms.shape[1]))
     for row, constraint in zip(fractions, constraints, strict=True):
@@ -34,7 +34,7 @@ def contact_release(
 
 
 def constraint_activations(constraints: Sequence[Constraint], standing: GroundedMotion) -> FloatArray:
-    """Activations (C, F) in [0, 1], 0 under a contact."""
+    """Activations (C, F) in [0, 1] of the constraints, 0 while their limb is in contact."""
     motion, activations = standing.motion, contact_release(constraints, standing)
     for row, constraint in zip(activations, constraints, strict=True):
         if is_ramped(constraint):
@@ -45,14 +45,14 @@ def constraint_activations(constraints: Sequence[Constraint], standing: Grounded
 
 
 def is_ramped(constraint: Constraint) -> bool:
-    """True for a position constraint, whose target is ramped."""
+    """True for a constraint whose target moves away from a contact as that is released: a position constraint."""
     return isinstance(constraint, PositionConstraint) and not isinstance(constraint.target, FollowBody)
 
 
 def ramped_target(
     constraint: Constraint, target: FloatArray, fraction: FloatArray, standing: GroundedMotion, window: slice
 ) -> FloatArray:
-    """Target positions (F or 1, 3) in metres, ramped from the contact by the release ``fraction`` (F,).
+    """Target positions (F or 1, 3) in metres, moved from the contact to ``target`` by the release ``fraction`` (F,).
 
     The path goes round the root of the limb, linear in angle and in length: a straight path would fold the limb. It
     stays as high above the ground as the contact, or sinks evenly to a lower target.
@@ -76,7 +76,7 @@ def ramped_target(
 
 
 def _arc(first: FloatArray, last: FloatArray, fraction: FloatArray) -> FloatArray:
-    """Unit vectors (F, 3) at ``fraction`` (F, 1) of great circles."""
+    """Unit vectors (F, 3) at ``fraction`` (F, 1) of the great circles from ``first`` to ``last``."""
     sine = np.linalg.norm(np.cross(first, last), axis=1, keepdims=True)
     angle, rotation_matrices = np.arctan2(sine, (first * last).sum(axis=1, keepdims=True)), sine > 1e-9
     divisor = np.where(rotation_matrices, sine, 1.0)

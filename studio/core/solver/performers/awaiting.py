@@ -1,4 +1,4 @@
-"""Anticipated targets: a performer that meets another one moves to that one's position at full activation."""
+"""Anticipated targets: a performer that is to meet another one moves to that one's position at full activation."""
 
 from collections.abc import Mapping, Sequence
 
@@ -15,14 +15,16 @@ FloatArray = NDArray[np.float64]
 
 
 def anticipated_time(curve: ActivationCurve, time: float) -> float | None:
-    """Time of the anticipated meeting: the beginning, or the end, of full activation; None during full activation."""
+    """Time in seconds of the anticipated meeting: before full activation its beginning, afterwards its end; None during
+    it.
+    """
     if curve.start <= time < curve.full:
         return curve.full
     return curve.full_end if curve.full_end < time <= curve.end else None
 
 
 def with_expected_positions(tracks: Tracks, places: Mapping[FollowPerformer, FloatArray]) -> Tracks:
-    """``tracks`` of one frame, with anticipated targets at ``places`` (3,)."""
+    """``tracks`` of one frame, with anticipated performers at the positions ``places`` (3,)."""
     found = dict(tracks)
     for follow, place in places.items():
         track = tracks.get(follow)
@@ -32,7 +34,9 @@ def with_expected_positions(tracks: Tracks, places: Mapping[FollowPerformer, Flo
 
 
 def with_anticipated_targets(tracks: Tracks, constraints: Sequence[Constraint], frame_rate: float) -> Tracks:
-    """``tracks`` over a whole motion, with anticipated targets at the full activation of ``constraints``."""
+    """``tracks`` over a whole motion, with anticipated targets at their positions during full activation of
+    ``constraints``.
+    """
     found = dict(tracks)
     for constraint in constraints:
         for follow in follows_of(constraint):
@@ -43,6 +47,7 @@ def with_anticipated_targets(tracks: Tracks, constraints: Sequence[Constraint], 
 
 
 def _awaited(track: Track, curve: ActivationCurve, frame_rate: float) -> Track:
+    """``track`` frozen at full activation of ``curve`` while the activation rises or falls."""
     rows = np.arange(len(track.positions))
     first, full, full_end, last = np.rint(
         np.array([curve.start, curve.full, curve.full_end, curve.end]) * frame_rate

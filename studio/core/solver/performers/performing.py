@@ -1,4 +1,4 @@
-"""Adaptation of a whole stage: every performer with its row of clips among the others."""
+"""Adaptation of a whole stage: every performer, after those that it follows."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -17,40 +17,43 @@ from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
 
 Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
-"""Normalise a capture and measure its actor; StudioError without a body map."""
+"""Function that normalises a capture and measures its actor; StudioError without a body map."""
 Solve = Callable[[AdaptRequest], AdaptedMotion]
+"""Function that solves a request."""
 
 
 @dataclass(frozen=True, eq=False)
 class Performance:
-    """One performer's composite, constraints, request and adapted motion."""
+    """One performer's composite motion, constraints, request and adapted motion."""
 
     composite: Composite
     clip_constraints: tuple[ClipConstraint, ...]
     request: AdaptRequest
     adapted: AdaptedMotion
     iterations: int = 0
-    """Iterations of its dependency cycle; 0 outside of one."""
+    """Iterations of the performer's dependency cycle; 0 outside of one."""
 
     @property
     def adapted_on_stage(self) -> AdaptedMotion:
-        """Its frames on the stage."""
+        """Adapted motion in those frames that play on the stage."""
         timing = self.composite.timing
         return self.adapted.frames(timing.first, timing.last)
 
 
 @dataclass(frozen=True, eq=False)
 class StagedPerformances:
-    """Performances by performer, and the failures of others."""
+    """Performances by performer id, and messages about performers that failed."""
 
     performances: Mapping[str, Performance]
+    """Performances by performer id."""
     failures: Mapping[str, str] = field(default_factory=dict)
+    """Message of each performer that failed, by performer id."""
 
 
 def adapt_performers(
     project: Project, performer_ids: Iterable[str], prepare: Prepare, solve: Solve
 ) -> StagedPerformances:
-    """Adapt these performers and all that they follow; a failure affects only the performer and its followers."""
+    """Adapt the given performers and all that they follow; a failure affects only the performer and its followers."""
     known: dict[int, tuple[NormalizedMotion, Morphology]] = {}
 
     def prepared(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
@@ -71,6 +74,7 @@ def adapt_performers(
 def _perform(
     project: Project, circle: tuple[str, ...], prepare: Prepare, solve: Solve, done: Mapping[str, Performance]
 ) -> dict[str, Performance]:
+    """Performances of one dependency cycle, or of a performer by itself, given those ``done`` before."""
 
     def result_of(leader: str) -> AdaptedMotion:
         return _result(project, done, leader)
@@ -95,6 +99,7 @@ def _perform(
 
 
 def _result(project: Project, done: Mapping[str, Performance], leader: str) -> AdaptedMotion:
+    """Adapted motion of a ``leader`` that has been solved before."""
     if leader not in done:
         raise StudioError(f"It follows '{project.performers[leader].name}', who could not be adapted.")
     return done[leader].adapted
@@ -107,7 +112,10 @@ def player_of(
     prepare: Prepare,
     result_of: Callable[[str], AdaptedMotion | None],
 ) -> CycleMember:
-    """Performer with its request, without the tracks of the others of its cycle."""
+    """Performer with its request, without the tracks of the other members of its dependency cycle ``circle``.
+
+    ``result_of`` gives the adapted motion of a leader outside the cycle.
+    """
     performer = project.performers[performer_id]
     if not performer.clips or project.missing_references(performer):
         raise StudioError(f"'{performer.name}' plays nothing, or its motion has been removed.")
@@ -126,7 +134,7 @@ def player_of(
 
 
 def unconstrained_request(project: Project, performer_id: str, composite: Composite, prepare: Prepare) -> AdaptRequest:
-    """Request of a performer's composite, body and ground, without constraints."""
+    """Request of a performer's composite motion on its body and ground, without constraints."""
     performer = project.performers[performer_id]
     character = project.characters[performer.character_id]
     timing, motion = composite.timing, composite.motion
@@ -145,7 +153,7 @@ def unconstrained_request(project: Project, performer_id: str, composite: Compos
 
 
 def motion_of(project: Project, motion_id: str, prepare: Prepare) -> NormalizedMotion:
-    """Normalised motion of the project."""
+    """Normalised motion with the id ``motion_id``."""
     return _prepared(project, motion_id, prepare)[0]
 
 

@@ -1,4 +1,4 @@
-"""Root displacement that keeps planted feet in reach, smooth in time (METHOD (37))."""
+"""Root displacement, smooth in time, that keeps planted feet in reach (METHOD (37))."""
 
 from dataclasses import dataclass
 
@@ -20,21 +20,24 @@ ROOT_SWEEPS = 3
 
 @dataclass(frozen=True, eq=False)
 class RootReach:
-    """Bounds of the root in F unsolved poses: its ``places`` (F, 3), the offsets of the ``hips`` (2, F, 3), the planted
-    ``ankles`` (2, F, 3) and the greatest ``lengths`` (2, F) of the legs in metres, inf for free feet.
-    """
+    """Bounds of the root by planted feet in F unsolved poses."""
 
     root_positions: FloatArray
+    """(F, 3) metres."""
     hips: FloatArray
+    """(2, F, 3) offsets of both hips from the root, metres."""
     ankles: FloatArray
+    """(2, F, 3) planted ankles, metres."""
     lengths: FloatArray
+    """(2, F) greatest distances hip-ankle in metres, inf for free feet."""
 
     @staticmethod
     def of(
         positions: FloatArray, measures: FloatArray, layout: BodyLayout, ankles: FloatArray, root_reaches: FloatArray
     ) -> "RootReach":
-        """Bounds from unsolved ``positions`` (F, P, 3); ``root_reaches`` (2, F) in leg lengths, at least the motion's
-        own distance.
+        """Bounds of unsolved ``positions`` (F, P, 3).
+
+        ``root_reaches`` (2, F) are extensions in leg lengths; the distance is at least the motion's own.
         """
         hips = np.stack([positions[:, layout.hip_point(side)] for side in range(2)])
         legs = measures[:, at.MEASURE_LEG : at.MEASURE_LEG + 4].reshape(-1, 2, 2).sum(axis=2).T
@@ -42,8 +45,11 @@ class RootReach:
         return RootReach(positions[:, 0], hips - positions[:, 0], ankles[..., :3], np.maximum(root_reaches * legs, own))
 
     def root_correction(self, states: FloatArray, joints: NDArray[np.void], width: int) -> FloatArray:
-        """Correction (F, 3) of the root for joints (N, 5) at ``states`` (F, N, 3): the maximal shortage over ``width``
-        frames on either side, averaged over as many.
+        """Displacement (F, 3) in metres that brings the root of poses with ``states`` (F, N, 3) into reach of planted
+        feet.
+
+        It is the greatest shortage over ``width`` frames on either side, averaged over as many. ``joints`` (N,) are
+        those of the search.
         """
         back = np.zeros_like(self.root_positions)
         found = np.flatnonzero(joints["segment"] == ROOT_TRANSLATION)

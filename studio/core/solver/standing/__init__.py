@@ -1,1 +1,1 @@
-"""Grounding: a motion on one body and on the ground, before any constraint."""
+"""Grounding: a motion on one body, with its feet and other contacts on the ground, before any constraint."""

@@ -1,4 +1,4 @@
-"""Trunk pitch for arms of another length than the actor's, with fixed hips."""
+"""Trunk pitch for arms whose length differs from the actor's, with fixed hips."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,13 +10,13 @@ from studio.core.rotations import normalized, shortest_arc
 FloatArray = NDArray[np.float64]
 
 MAX_TRUNK_RISE = np.radians(20.0)
-"""Greatest pitch of a trunk from its motion, approached softly."""
+"""Greatest change of a trunk's pitch in radians, approached softly."""
 
 
 def arch_trunk(raises: FloatArray, body: AnyMorphology, positions: FloatArray, rotations: FloatArray) -> None:
-    """Bend trunks about their hips, in place, until the neck base of a level trunk has risen by ``raises`` (F,) metres.
+    """Bend trunks about their hips, in place, so that the neck base of a level trunk rises by ``raises`` (F,) metres.
 
-    The bend is greatest at the lumbar spine and smaller for steep trunks, which would gain less; head and arms keep
+    The bend is greatest at the lumbar spine. It is smaller for steep trunks, which would gain less. Head and arms keep
     their world orientation. ``positions`` (F, P, 3), ``rotations`` (F, S, 3, 3).
     """
     neck, joints = body.layout.neck_base, range(1, body.layout.spine_count)
@@ -53,9 +53,10 @@ def _aim_arm(
     positions: FloatArray,
     rotations: FloatArray,
 ) -> None:
-    """Aim an arm that moved with its trunk back to its direction ``before``, with its hand's orientation, in place.
+    """Aim an arm that has moved with its trunk at its direction ``before`` again, in place; the hand keeps its
+    orientation.
 
-    The shortest rotation is used, as for arms in contact (``kernels.support.body_settling.place_arm``).
+    The shortest rotation is used, as for arms in contact.
     """
     wrist, upper = body.layout.wrist_point(side), body.layout.upper_arm_segment(side)
     shoulder, arm, hand = wrist - 2, slice(wrist - 1, wrist + 1), upper + 2
@@ -72,5 +73,5 @@ def _aim_arm(
 
 
 def _vector_between(positions: FloatArray, first: int, last: int) -> FloatArray:
-    """Vector (F, 3) from one point to another of ``positions`` (F, P, 3)."""
+    """Vector (F, 3) from point ``first`` to point ``last`` of ``positions`` (F, P, 3)."""
     return np.asarray(positions[:, last] - positions[:, first])

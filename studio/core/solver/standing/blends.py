@@ -1,4 +1,4 @@
-"""Blending between contact and free motion: smooth weights and averages over time (METHOD 5)."""
+"""Blending between contacts and free motion: smooth weights and averages over time (METHOD 5)."""
 
 from functools import cache
 
@@ -13,27 +13,28 @@ from studio.core.kernels.support.swing_foot_clearance import SWING_FADE
 FloatArray = NDArray[np.float64]
 
 LET_GO, SLOWLY_LET_GO = 0.2, 0.3
-"""Seconds in which a foot or knee comes to rest or starts, over which the weight passes to the next support on either
-side, and in which a hand leaves the body; and the same of a hand or the seat.
+"""Seconds of release and return of contacts. The first for a foot or knee that comes to rest or starts, for a weight
+that passes to the next support, and for a hand that leaves the body; the second, slower, for a hand on the ground or
+the seat.
 """
 GOES_ALONG = 0.4
-"""Seconds in which a displacement returns to the motion: of released contacts, and of a body tilted with them."""
+"""Seconds in which a body displaced with its contacts returns to the motion's own position."""
 LOOK_AHEAD = SWING_FADE
-"""Seconds by which the root is lowered early, and stays down late."""
+"""Seconds before and after a necessary root lowering over which the root is lowered."""
 AVERAGED = 0.1
-"""Seconds on either side over which the root's displacements are averaged, and the weights of the feet that
-it follows.
+"""Seconds on either side over which the root's displacements, and the weights of the feet that it follows, are
+averaged.
 """
 
 
 def smoothstep_array(t: FloatArray) -> FloatArray:
-    """Smoothstep, equation (6) of METHOD, of an array."""
+    """Quintic smoothstep of an array of values in [0, 1], equation (6) of METHOD."""
     return np.asarray(t * t * t * (t * (6.0 * t - 15.0) + 10.0))
 
 
 @cache
 def hann_window(half: int) -> FloatArray:
-    """Weights (2 * half + 1,) of an average with continuous second derivatives; they add up to 1."""
+    """Weights (2 * half + 1,) of a Hann window, which add up to 1."""
     window = np.hanning(2 * half + 3)[1:-1]
     return np.asarray(window / window.sum())
 
@@ -45,16 +46,17 @@ def averaged(values: FloatArray, reach: float, frame_rate: float) -> FloatArray:
 
 
 def release_weight(planted: NDArray[np.bool_], frame_rate: float, after: float = SWING_FADE) -> FloatArray:
-    """Weight (F,) that is 0 in contact, rising to 1 within ``after`` seconds of the nearest contact."""
+    """Weight (F,) that is 0 in ``planted`` frames, rising smoothly to 1 within ``after`` seconds of the nearest one."""
     free = np.empty(len(planted))
     release_weights(planted, after * frame_rate, free)
     return free
 
 
 def interpolated_corrections(corrections: FloatArray, known: NDArray[np.bool_], frame_rate: float) -> FloatArray:
-    """Corrections (F, 3) where ``known`` (F,), interpolated between, or fading over ``GOES_ALONG`` seconds.
+    """Corrections (F, 3), given where ``known`` (F,), interpolated between, or fading over ``GOES_ALONG`` seconds.
 
-    A released contact then has the motion's own speed: a hand that stayed at rest would have less time for its path.
+    A point released from a contact then keeps the motion's own speed: one that stayed at rest would have less time for
+    its path.
     """
     filled = corrections.copy()
     interpolate_gaps(filled, known | (_frames_to_nearest(known) >= max(round(GOES_ALONG * frame_rate), 1)))
@@ -62,7 +64,7 @@ def interpolated_corrections(corrections: FloatArray, known: NDArray[np.bool_], 
 
 
 def _frames_to_nearest(known: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Distance (F,) in frames to the nearest ``known`` (F,) one."""
+    """Distance (F,) in frames to the nearest ``known`` (F,) frame."""
     frames, stands = np.arange(len(known)), np.flatnonzero(known)
     after = np.searchsorted(stands, frames)
     behind, ahead = stands[np.maximum(after - 1, 0)], stands[np.minimum(after, len(stands) - 1)]
@@ -70,7 +72,8 @@ def _frames_to_nearest(known: NDArray[np.bool_]) -> NDArray[np.int64]:
 
 
 def smooth_drops(drops: FloatArray, frame_rate: float) -> FloatArray:
-    """Smooth upper envelope (F,) of ``drops``: their moving maximum, averaged over the same support.
+    """Smooth upper envelope (F,) of the root lowerings ``drops`` (F,): their moving maximum, averaged over the same
+    support.
 
     The paper's plain minimum of three heights has acceleration peaks 3 to 27 times the source's.
     """
@@ -82,8 +85,9 @@ def smooth_drops(drops: FloatArray, frame_rate: float) -> FloatArray:
 
 
 def smooth_penetrations(heights: FloatArray, margin: float | FloatArray) -> FloatArray:
-    """Corrections (F,) in metres that keep ``heights`` (F,) above 0 (METHOD (7)): twice continuously differentiable, 0
-    for heights of ``margin`` metres or more.
+    """Corrections (F,) in metres that keep ``heights`` (F,) above 0, smoothly (METHOD (7)).
+
+    They are twice continuously differentiable, and 0 for heights of ``margin`` metres or more.
     """
     fraction = np.clip(heights / margin, -1.0, 1.0)
     return np.asarray(margin * (1.0 - fraction) ** 3 * (3.0 + fraction) / 16.0 + np.maximum(-heights - margin, 0.0))

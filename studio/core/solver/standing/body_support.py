@@ -1,8 +1,8 @@
-"""Support of a body by hands, knees and seat beside its feet, each at one position of the ground (METHOD 6).
+"""Support of a body by hands, knees and seat beside its feet, each contact at one position of the ground (METHOD 6).
 
-The root is normalised by the legs. While hands, knees or seat support it (a handstand, a crawl), it moves to its
-position at the end of the chain from them on this body, blended over time by their weights ([K05], closing remarks).
-Then it is moved and rotated by the small remainder, so that all contacts are exactly in reach.
+The root of a motion is normalised by the legs. While hands, knees or seat support the body (a handstand, a crawl), the
+root moves to its position at the end of the chain from them on this body, blended over time by their weights ([K05],
+closing remarks). Then it is moved and rotated by the small remainder, so that all contacts are exactly in reach.
 """
 
 from collections.abc import Mapping, Sequence
@@ -50,40 +50,44 @@ from studio.core.solver.standing.shown_floor import shown_floor
 FloatArray = NDArray[np.float64]
 
 CONTACT_HEIGHTS = {"hand": 0.065, "knee": 0.065, "seat": 0.12}
-"""Heights of wrist, knee and middle of the hips above their contact, in leg lengths."""
+"""Heights of wrist, knee and middle of the hips above the ground in contact, in leg lengths."""
 LYING_KNEE_HEIGHT = 0.1
-"""Height of a knee above the ground, in leg lengths, up to which its leg lies; from twice that its foot bears."""
+"""Height of a knee above the ground, in leg lengths, up to which its leg lies; from twice this on its foot carries
+load.
+"""
 CONTACT_RESIDUAL = 5e-4
-"""Residual of a contact in metres from which it is moved."""
+"""Residual of a contact in metres from which the contact is moved to where the body reaches it."""
 SLOPE_RADIUS = 0.6
-"""Radius round the root, in leg lengths, over which a tilted body takes the ground's slope."""
+"""Radius around the root, in leg lengths, over which the ground's slope for a tilted body is averaged."""
 ARM_STIFFNESS = 6.0
-"""Cost of a metre by which a raised arm is shortened, relative to a metre of its swing."""
+"""Cost of shortening a raised arm by a metre, relative to swinging its end by a metre."""
 LEVEL_HAND_SINE = 0.7
-"""Sine of the angle above the ground up to which fingers, and away from it up to which a palm, are laid on it."""
+"""Sine of the greatest angle between the ground and fingers, or a palm, that are laid on it."""
 
 
 @dataclass(frozen=True, eq=False)
 class GroundContact:
-    """Contact of one point: frames ``standing`` (F,), positions ``places`` (F, 3), ``heights`` (F,) metres above the
-    ground along its ``normals`` (F, 3).
-    """
+    """Contact of a hand, a knee or the seat with the ground."""
 
     point: ContactPoint
     standing: NDArray[np.bool_]
+    """(F,) True in contact."""
     places: FloatArray
+    """(F, 3) positions of the joint in contact, metres."""
     normals: FloatArray
+    """(F, 3) normals of the ground."""
     heights: FloatArray
+    """(F,) height of the joint above the ground along the normal, metres."""
 
     def displaced(self, track: FloatArray, frame_rate: float) -> FloatArray:
-        """Track (F, 3) of the point, blended to the contact positions, and back soon after."""
+        """``track`` (F, 3) of the point, blended to the contact positions, and back soon after."""
         return track + interpolated_corrections(
             np.where(self.standing[:, None], self.places - track, 0.0), self.standing, frame_rate
         )
 
     def moved(self, misses: FloatArray, ground: Ground) -> "GroundContact":
-        """The contact with each position moved along the ground by its greatest residual (F, 3); itself if there is
-        none.
+        """Contact with each position moved along the ground by its greatest residual ``misses`` (F, 3); the same object
+        if none is greater than ``CONTACT_RESIDUAL``.
         """
         places, normals, lengths = self.places.copy(), self.normals.copy(), np.linalg.norm(misses, axis=1)
         for first, past in runs_of(self.standing):
@@ -96,32 +100,36 @@ class GroundContact:
 
 @dataclass(frozen=True, eq=False)
 class BodySupport:
-    """Support of a body beside its feet: contacts ``holds``, the root's ``shift`` (F, 3), the weight on the feet
-    ``feet_fraction`` (F,), and the ``pose`` tilted with the ground, positions (F, P, 3) and rotations (F, S, 3, 3),
-    before that shift.
-
-    ``upright`` (F, P, 3) is the untilted pose over the same positions of the ground, from which feet are planned.
-    """
+    """Support of a body by hands, knees and seat beside its feet."""
 
     holds: tuple[GroundContact, ...]
+    """Contacts."""
     shift: FloatArray
+    """(F, 3) displacement of the root, metres."""
     feet_fraction: FloatArray
+    """(F,) fraction of the body's weight on the feet."""
     pose: tuple[FloatArray, FloatArray]
+    """Positions (F, P, 3) and rotations (F, S, 3, 3) of the body tilted with the ground, before the displacement."""
     upright: FloatArray
+    """(F, P, 3) untilted pose over the same positions of the ground, from which feet are planned."""
 
 
 def contact_height(body: AnyMorphology, point: ContactPoint) -> float:
-    """Height in metres of a wrist, knee or middle of the hips in contact, for a flat palm."""
+    """Height in metres of a wrist, knee or the middle of the hips above the ground in contact; of a wrist, for a flat
+    palm.
+    """
     return body.leg_length * CONTACT_HEIGHTS[point.member]
 
 
 def track_of(point: ContactPoint, body: AnyMorphology, positions: PoseArray) -> FloatArray:
-    """Track (F, 3) of a contact point, from ``positions`` (F, P, 3): a joint, or the middle of the hips."""
+    """Track (F, 3) of a contact point in ``positions`` (F, P, 3): that of a joint, or of the middle of the hips."""
     return np.asarray(positions[:, touching_points(point, body.layout)].mean(axis=1))
 
 
 def limb_freedom(contacts: Sequence[ContactInterval], limb: int, frame_count: int, frame_rate: float) -> FloatArray:
-    """Release weight (F,) of a limb: 0 in contact, rising to 1 soon after and before; 1 without limb."""
+    """Release weight (F,) of a limb from its contacts: 0 in contact, rising to 1 soon after and before; 1 for limb
+    -1.
+    """
     spans = [(each.first, each.last) for each in contacts if each.point.limb == limb] if limb >= 0 else []
     if not spans:
         return np.ones(frame_count)
@@ -137,9 +145,10 @@ def find_support(
     rotations: FloatArray,
     actor: Morphology | None = None,
 ) -> BodySupport | None:
-    """Support of a retargeted motion, ``positions`` (F, P, 3), and its root displacement; None on feet alone.
+    """Support of a retargeted motion beside its feet; None if only feet are in contact.
 
-    Arms in contact take the directions of the ``actor``'s, if it is known.
+    Trunks are bent in place, ``positions`` (F, P, 3) and ``rotations``, for hands that hang lower than the actor's.
+    Arms in contact take the directions of the ``actor``'s arms, if the actor is known.
     """
     carrying = [each for each in contacts if not each.point.is_foot and each.first < motion.frame_count]
     if not carrying:
@@ -181,10 +190,10 @@ def find_support(
 
 
 def arm_bones(body: AnyMorphology, actors: FloatArray, layout: BodyLayout) -> FloatArray:
-    """Upper arms and forearms (2, F, 2, 3) of a body, with the directions of the ``actors`` pose (F, P, 3) of that
-    ``layout``.
+    """Vectors (2, F, 2, 3) in metres along upper arm and forearm of a body, with the directions of the actor's.
 
-    Where a folded arm keeps the vector from shoulder to wrist, bones of other lengths take other directions.
+    ``actors`` (F, P, 3) are the actor's points in the order of ``layout``. A folded arm that keeps the vector from
+    shoulder to wrist with bones of other lengths would have other directions.
     """
     wrists = [layout.wrist_point(side) for side in range(2)]
     displacements = np.array([np.diff(actors[:, wrist - 2 : wrist + 1], axis=1) for wrist in wrists])
@@ -193,14 +202,16 @@ def arm_bones(body: AnyMorphology, actors: FloatArray, layout: BodyLayout) -> Fl
 
 
 def _hands_over_root(positions: FloatArray, layout: BodyLayout, bones: FloatArray | None = None) -> FloatArray:
-    """Heights (F, 2) in metres of both wrists above the root, present or with ``bones`` (2, F, 2, 3)."""
+    """Heights (F, 2) in metres of both wrists above the root; with ``bones`` (2, F, 2, 3), of arms with those bones."""
     wrists = np.array([layout.wrist_point(side) for side in range(2)])
     heights = positions[:, wrists, 2] if bones is None else positions[:, wrists - 2, 2] + bones[..., 2].sum(axis=2).T
     return np.asarray(heights - positions[:, :1, 2])
 
 
 def _raises(standing: Mapping[ContactPoint, NDArray[np.bool_]], lower: FloatArray, frame_rate: float) -> FloatArray:
-    """Trunk rise (F,) in metres for hands in contact that hang ``lower`` (F, 2) than the actor's, fading in and out."""
+    """Rise (F,) in metres of the trunk for hands in contact that hang ``lower`` (F, 2) than the actor's, fading in and
+    out.
+    """
     fractions = np.zeros_like(lower)
     for point, stands in standing.items():
         if point.member == "hand":
@@ -212,7 +223,9 @@ def _raises(standing: Mapping[ContactPoint, NDArray[np.bool_]], lower: FloatArra
 def _track(
     point: ContactPoint, bones: FloatArray, body: AnyMorphology, ground: Ground, positions: FloatArray
 ) -> FloatArray:
-    """``track_of`` a point; of a hand on level ground, from the ``bones`` (2, F, 2, 3) of its arm."""
+    """Track (F, 3) of a contact point; that of a hand on level ground is computed from the ``bones`` (2, F, 2, 3) of
+    its arm.
+    """
     if point.member != "hand" or not ground.is_level:
         return track_of(point, body, positions)
     return np.asarray(positions[:, body.layout.wrist_point(point.side) - 2] + bones[point.side].sum(axis=1))
@@ -221,7 +234,7 @@ def _track(
 def _reached(
     hold: GroundContact, track: FloatArray, body: AnyMorphology, ground: Ground, positions: FloatArray
 ) -> GroundContact:
-    """The contact of a hand moved to where an arm longer than the actor's lands when it swings."""
+    """Contact of a hand, moved to where an arm that is longer than the actor's lands when it swings."""
     if hold.point.member != "hand":
         return hold
     shoulders = positions[:, body.layout.wrist_point(hold.point.side) - 2]
@@ -241,8 +254,10 @@ def tilt_with_ground(
     positions: FloatArray,
     rotations: FloatArray,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Poses tilted by ``fraction`` (F, 1) of the ground's slope about the position under the root, and ``positions``
-    translated over the tilted ones.
+    """(positions, rotations, upright positions) of poses tilted by ``fraction`` (F, 1) of the ground's slope.
+
+    They are tilted about the position under the root. The last are the untilted ``positions``, translated over the
+    tilted ones.
     """
     ring = np.pi / 4.0 * np.arange(8)
     round_root = SLOPE_RADIUS * body.leg_length * np.column_stack([np.cos(ring), np.sin(ring)])
@@ -261,7 +276,7 @@ def tilt_with_ground(
 def _wrists_over_palms(
     contacts: Sequence[ContactInterval], positions: FloatArray, body: Morphology, frame_rate: float
 ) -> FloatArray:
-    """Heights (F, 2) in metres of wrists above those over flat palms, as far as fingers slope down."""
+    """Heights (F, 2) in metres by which wrists are above those of flat palms, as far as the fingers slope down."""
     wrists = np.array([body.layout.wrist_point(side) for side in range(2)])
     palms = shown_floor(contacts, positions, body, frame_rate)[:, None] + CONTACT_HEIGHTS["hand"] * body.leg_length
     heights, tips = positions[:, wrists, 2], positions[:, wrists + 1, 2]
@@ -276,10 +291,10 @@ def _hold(
     track: FloatArray,
     rises: FloatArray,
 ) -> GroundContact:
-    """Contact of one point: for each span the median position of the joint (while small, if the body grows), above the
-    ground.
+    """Contact of one point in the intervals ``spans`` of frames (both ends included).
 
-    A wrist over its fingers rises by the median of ``rises`` (F, 2), up to ``LEVEL_HAND_SINE``.
+    Each position is the median of the joint's ``track`` (F, 3), while the body is small if it grows. A wrist over its
+    fingers rises by the median of ``rises`` (F, 2), up to ``LEVEL_HAND_SINE``.
     """
     legs = np.broadcast_to(leg_rows(body, 0).sum(axis=1), len(track))
     standing, places, normals = np.zeros(len(track), dtype=np.bool_), track.copy(), np.zeros_like(track)
@@ -297,23 +312,23 @@ def _hold(
 
 
 def median_position(track: FloatArray) -> FloatArray:
-    """Median horizontal position (2,) of a point (F, 3)."""
+    """Geometric median (2,) of the horizontal positions of a ``track`` (F, 3)."""
     return np.asarray(geometric_median(np.ascontiguousarray(track[:, :2])))
 
 
 def _place_on(position: FloatArray, height: float, ground: Ground) -> tuple[FloatArray, FloatArray]:
-    """Position (3,) ``height`` metres above ``position`` (2,) on the ground, and the ground's normal."""
+    """Position (3,) at ``height`` metres above the ground at ``position`` (2,), and the ground's normal (3,)."""
     normal = ground.normal_at(position)
     return np.array([*position, ground.height_at(position)]) + height * normal, normal
 
 
 def _fingers(body: AnyMorphology, side: int) -> FloatArray:
-    """Vector (3,) from the wrist to the finger tips, in the hand's axes."""
+    """Vector (3,) in metres from the wrist to the finger tips, in the hand's axes."""
     return np.asarray(body.rows[0, at.MEASURE_HAND + 3 * side : at.MEASURE_HAND + 3 * side + 3])
 
 
 def _bearing(body: AnyMorphology, ground: Ground, positions: FloatArray) -> FloatArray:
-    """Load weight (2, F) of each standing foot: small for a lying leg on level ground."""
+    """Load (2, F), 0 to 1, that each foot can carry if it stands: small for a lying leg on level ground."""
     knees = positions[:, [body.layout.hip_point(side) + 1 for side in range(2)], 2] - ground.height
     bearing = smoothstep_array(np.clip(knees.T / (LYING_KNEE_HEIGHT * body.leg_length) - 1.0, 0.0, 1.0))
     return bearing if ground.is_level else np.ones_like(bearing)
@@ -325,10 +340,10 @@ def _support_weights(
     bearing: FloatArray,
     frame_rate: float,
 ) -> FloatArray:
-    """Weights (1 + H, F) of the feet and of each contact, smooth in time.
+    """Fractions (1 + H, F) of the body's weight on the feet, and on each of H contacts, smooth in time.
 
-    They add up to 1 less the weight of feet without load, ``bearing`` (2, F), by which the body keeps its position. A
-    foot whose knee is in contact carries no load.
+    They add up to 1 less the fraction of feet without load (``bearing`` (2, F)), by which the body keeps its position.
+    A foot whose knee is in contact carries no load.
     """
     weights = np.zeros((2 + len(standing), states.shape[1]))
     kneeling = {point.side: stands for point, stands in standing.items() if point.member == "knee"}
@@ -346,9 +361,9 @@ def _support_weights(
 
 
 def raise_by_swinging(wrists: FloatArray, shoulders: FloatArray, raises: FloatArray) -> FloatArray:
-    """``wrists`` (F, 3) raised by ``raises`` (F,): arms swing about their ``shoulders`` (F, 3) rather than bend.
+    """``wrists`` (F, 3) raised by ``raises`` (F,) metres: arms swing about their ``shoulders`` (F, 3) rather than bend.
 
-    It minimises the squared swing and ``ARM_STIFFNESS`` times the squared shortening.
+    The sum of the squared swing and ``ARM_STIFFNESS`` times the squared shortening is least.
     """
     arms = wrists - shoulders
     lengths = np.maximum(np.linalg.norm(arms, axis=1), 1e-9)
@@ -361,16 +376,16 @@ def raise_by_swinging(wrists: FloatArray, shoulders: FloatArray, raises: FloatAr
 
 
 def reach_of(motion: NormalizedMotion, body: AnyMorphology, side: int) -> FloatArray:
-    """Greatest free extension (F,) in metres of an arm in contact: that of the motion, or nearly straight."""
+    """Greatest free extension (F,) in metres of an arm in contact: its extension in the motion, or nearly straight."""
     own = np.clip(1.0 - motion.channels[:, at.LIMB_SLACK + side], SOLE_SOFT_IK_THRESHOLD, 1.0 - 1e-9)
     return np.asarray(own * arm_rows(body, side).sum(axis=1))
 
 
 def level_hands(hold: GroundContact, body: AnyMorphology, hands: FloatArray, frame_rate: float) -> FloatArray:
-    """World rotations (F, 3, 3) of a hand that lies on the ground with one orientation through each contact.
+    """World rotations (F, 3, 3) of a hand with one orientation through each contact, laid on the ground.
 
-    Fingers that point into the ground, or little above it, are laid on it, sloping down from a high wrist, and so is a
-    palm that looks down; other hands (a fist, the back of a hand) stay. ``hands`` (F, 3, 3) as retargeted.
+    Fingers that point into the ground, or little above it, are laid on it, sloping down from a high wrist; so is a palm
+    that faces down. Other hands (a fist, the back of a hand) keep their orientation. ``hands`` (F, 3, 3) as retargeted.
     """
     corrections = np.zeros((len(hands), 3))
     side = hold.point.side
@@ -388,8 +403,9 @@ def level_hands(hold: GroundContact, body: AnyMorphology, hands: FloatArray, fra
 
 
 def _laid(hand: FloatArray, fingers: FloatArray, palm: FloatArray, normal: FloatArray, slope: float) -> FloatArray:
-    """Rotation (3, 3) of a hand, with ``fingers`` and ``palm`` (3,) in hand axes aligned with the plane of ``normal``,
-    or inclined to it by the sine ``slope``.
+    """Rotation (3, 3) of a hand laid on the plane of ``normal``, or inclined to it by the sine ``slope``.
+
+    ``fingers`` and ``palm`` (3,) are directions in the hand's axes.
     """
     along, back = hand @ fingers, -(hand @ palm)
     rise = along @ normal

@@ -1,4 +1,6 @@
-"""Flight height: the head of a short body that turns over in the air would be below the ground (METHOD 5)."""
+"""Flight height: without it the head of a short body that turns over in the air would be below the ground (METHOD
+5).
+"""
 
 from collections.abc import Sequence
 
@@ -12,16 +14,18 @@ from studio.core.runs import runs_of
 FloatArray = NDArray[np.float64]
 
 LEAST_FLIGHT_FRACTION = 0.25
-"""Least height of a flight, relative to its greatest, at which a penetration raises it."""
+"""Least fraction of its greatest rise that a flight is taken to have at a penetration: near its ends the flight would
+rise without bound.
+"""
 
 
 def flight_heights(
     contacts: Sequence[ContactInterval], body: AnyMorphology, floor: float, positions: FloatArray
 ) -> FloatArray:
-    """Heights (F,) in metres to add to flights of a body, ``positions`` (F, P, 3), so that trunk and head clear the
-    floor.
+    """Heights (F,) in metres by which flights of a body are raised so that trunk and head clear the floor.
 
-    They are zero during contacts, and begin and end with zero velocity.
+    They are zero during contacts, and begin and end with zero velocity. ``positions`` (F, P, 3); ``floor`` is the
+    floor's height.
     """
     lacking = np.maximum(floor - positions[:, : body.layout.head_end + 1, 2].min(axis=1), 0.0)
     lifted = np.zeros(len(positions))

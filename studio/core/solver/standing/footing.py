@@ -1,4 +1,4 @@
-"""Ground adaptation of the legs: ankle targets, foot rotations, and root lowering (METHOD 5)."""
+"""Adaptation of the legs to the ground: ankle targets, foot rotations, and root lowering (METHOD 5)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -31,49 +31,55 @@ from studio.core.windows import bell_average
 FloatArray = NDArray[np.float64]
 
 FOLDED_LEG, FOLD_MARGIN, FOLD_CORNER = 0.3, 0.12, 0.03
-"""Least distance of a folded leg's ankle below its hip, in leg lengths, its tolerance, and the rounding of its corner.
-They decrease with the horizontal distance from the hip, to zero at a leg's length.
+"""Least distance of a folded leg's ankle below its hip, tolerance of that distance, and rounding of its corner, all in
+leg lengths. The distance decreases with the horizontal distance from the hip, to zero at a leg's length.
 """
 FOLLOW_SMOOTHING = AVERAGED / 5.0
-"""Seconds, standard deviation, over which the root follow is smoothed."""
+"""Standard deviation in seconds of the smoothing of the root's displacement with its feet."""
 ROLL_SMOOTHING = 0.012
-"""Seconds, standard deviation, over which the pitches of rolling feet are smoothed."""
+"""Standard deviation in seconds of the smoothing of a rolling foot's pitch."""
 CLIMB_SMOOTHING = 0.09
-"""Seconds, standard deviation, over which the root follows the heights of the footprints."""
+"""Standard deviation in seconds of the smoothing with which the root follows the heights of footprints."""
 
 
 @dataclass(frozen=True, eq=False)
 class Footing:
-    """Leg targets of one body on the ground: ``states`` (2, F) bit 1 heel, bit 2 toe; ``soft_thresholds`` (2, F)
-    soft-IK thresholds; ``runs`` (2, F) reach relaxation of the root, inf for a free foot; ``ankles`` (2, F, 3 or 7)
-    targets, with knee targets as in ``kernels.limbs.legs.place_leg``; ``feet``, ``toes`` (2, F, 3, 3) world rotations;
-    ``drops`` (F,) root lowering in metres.
-    """
+    """Leg targets of one body on the ground, in all frames."""
 
     states: NDArray[np.int64]
+    """(2, F) states of both feet: bits ``HEEL_STANDS`` and ``TOE_STANDS``."""
     soft_thresholds: FloatArray
+    """(2, F) soft-IK thresholds: the fraction of its length up to which each leg extends freely."""
     runs: FloatArray
+    """(2, F) additional extension, in leg lengths, that the root may cause as a foot is released; inf for a free
+    foot.
+    """
     ankles: FloatArray
+    """(2, F, 3 or 7) ankle targets, metres, with knee targets in the last columns (``kernels.limbs.legs``)."""
     feet: PoseArray
+    """(2, F, 3, 3) in the world."""
     toes: PoseArray
+    """(2, F, 3, 3) in the world."""
     drops: FloatArray
+    """(F,) root lowering, metres."""
 
     @property
     def root_reaches(self) -> FloatArray:
-        """Greatest extension (2, F) of each leg by the root, in leg lengths; inf for a free foot.
+        """Greatest extension (2, F) of each leg that the root may cause, in leg lengths; inf for a free foot.
 
-        A standing foot keeps the root within the leg's soft-IK threshold; near the contact the reach grows smoothly.
+        A standing foot keeps the root within the leg's soft-IK threshold; near the end of the contact the extension
+        grows smoothly.
         """
         return self.soft_thresholds + self.runs
 
     def legs(self, motion: NormalizedMotion, window: slice = slice(None)) -> LegTargets:
-        """Leg targets of some frames as contiguous arrays for the kernels."""
+        """``LegTargets`` of the frames of ``window``, as contiguous arrays for the kernels."""
         stance = self.soft_thresholds, self.ankles, self.feet, self.toes
         return LegTargets(motion.channels[window], *(np.ascontiguousarray(each[:, window]) for each in stance))
 
 
 def foot_states(contacts: Sequence[ContactInterval], frame_count: int) -> NDArray[np.int64]:
-    """States (2, F) of feet: bit 1 the heel stands, bit 2 the toe."""
+    """States (2, F) of both feet in contact intervals: bits ``HEEL_STANDS`` and ``TOE_STANDS``."""
     toes, heels = np.zeros((2, 2, frame_count), dtype=np.int64)
     for contact in contacts:
         point = contact.point
@@ -84,7 +90,7 @@ def foot_states(contacts: Sequence[ContactInterval], frame_count: int) -> NDArra
 
 
 def foot_contacts(states: NDArray[np.int64]) -> tuple[ContactInterval, ...]:
-    """Contacts of feet with ``states`` (2, F): the inverse of ``foot_states``."""
+    """Contact intervals of feet with ``states`` (2, F): the inverse of ``foot_states``."""
     return tuple(
         ContactInterval("", point, first, last)
         for point in FOOT_POINTS
@@ -102,13 +108,13 @@ def find_footing(
     carried: FloatArray | None = None,
     upright: tuple[FloatArray, FloatArray] | None = None,
 ) -> Footing:
-    """Plan the feet of a whole clip from its retargeted pose, translated to the ground's own height.
+    """Plan the feet of a whole clip from its retargeted pose, which has been translated to the ground's own height.
 
     The body follows its feet and, on uneven ground, the low-passed mean height of the footprints (h1 of METHOD 5):
     ``positions`` are moved in place, and ``drops`` include the heights. With hands, knees or seat in contact, it
-    follows by the weight ``carried`` (F,) on the feet, and missing reach is left to the least move (10): lower hips do
-    not help the leg of a plank. Feet are planned from the ``upright`` positions and rotations if the body is tilted
-    with the ground.
+    follows by the fraction ``carried`` (F,) of its weight on the feet, and a shortage of reach is left to settling
+    (10): lower hips do not help the leg of a plank. Feet are planned from the ``upright`` positions and rotations if
+    the body is tilted with the ground.
     """
     states = foot_states(contacts, motion.frame_count)
     pose = (positions, rotations) if upright is None else upright
@@ -154,7 +160,7 @@ def _draped_footing(
     draped: "Sequence[_ProjectedFoot]",
     carried: FloatArray | None,
 ) -> Footing:
-    """Footing on uneven ground, for feet that are ``draped`` on it."""
+    """Footing on uneven ground, from feet that have been projected to it."""
     feet_fraction = np.ones(motion.frame_count) if carried is None else carried
     ankles, feet, toes = _stacked([each.foot for each in draped])
     climb = np.mean([each.heights for each in draped], axis=0)
@@ -188,7 +194,7 @@ def _keep_below_hips(
     morphology: AnyMorphology,
     positions: FloatArray,
 ) -> None:
-    """Keep ankles (2, F, 3) of swing feet below their hips by the length of a folded leg, in place.
+    """Keep ankles (2, F, 3) of swing feet below their hips by at least the length of a folded leg, in place.
 
     Long strides over steps would raise them higher, and the leg would swing wildly.
     """
@@ -215,7 +221,9 @@ def _drops(
     soft_thresholds: FloatArray,
     states: NDArray[np.int64],
 ) -> FloatArray:
-    """Root lowering (F,) in metres for standing legs to reach; ``ankles`` from the root."""
+    """Root lowering (F,) in metres with which standing legs reach their ``ankles`` (2, F, 3), given relative to the
+    root.
+    """
     drops = np.empty(motion.frame_count)
     required_root_lowering(motion.channels, morphology.rows, rotations, ankles, soft_thresholds, states, drops)
     return drops
@@ -223,32 +231,36 @@ def _drops(
 
 @dataclass(frozen=True, eq=False)
 class _ProjectedFoot:
-    """One ``foot`` on the ground, its ankles planned level (F, 3), and the heights (F,) of its footprints."""
+    """One foot projected to uneven ground."""
 
     foot: FootPlan
     level_ankles: FloatArray
+    """(F, 3) ankles as planned on the level floor."""
     heights: FloatArray
+    """(F,) heights of its footprints, metres."""
 
 
 def _stacked(plans: Sequence[FootPlan]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Ankles (2, F, 3), feet and toes (2, F, 3, 3) of both sides."""
+    """Ankles (2, F, 3), feet and toes (2, F, 3, 3) of the plans of both feet."""
     ankles, feet, toes = (np.array(part) for part in zip(*plans, strict=True))
     return ankles, feet, toes
 
 
 @dataclass(frozen=True, eq=False)
 class _Foot:
-    """One foot of a body over its ground: ``states`` (F,) of heel and toe, its measures ``soles`` (F or 1, 6)."""
+    """One foot of a body over its ground."""
 
     side: int
     body: AnyMorphology
     ground: Ground
     frame_rate: float
     states: NDArray[np.int64]
+    """(F,) bits ``HEEL_STANDS`` and ``TOE_STANDS``."""
     soles: FloatArray
+    """(F or 1, 6) measures of the foot (``kernels.support.sole``)."""
 
     def plan(self, positions: FloatArray, rotations: FloatArray, plan: FootPlan) -> None:
-        """Plan the foot on the level floor at the ground's own height, before it rolls; writes ``plan``."""
+        """Write the ``plan`` of the foot on the level floor at the ground's own height, before it rolls."""
         ankle, foot = (
             self.body.layout.ankle_point(self.side),
             self.body.layout.foot_segment(self.side),
@@ -260,7 +272,9 @@ class _Foot:
             self._keep_above(plan)
 
     def roll(self, soft_thresholds: FloatArray, positions: FloatArray, plan: FootPlan) -> None:
-        """Roll the foot on the level floor until its leg reaches it, above the floor; writes ``plan``."""
+        """Roll the foot of a ``plan`` on the level floor, in place, until its leg reaches it, and keep it above the
+        floor.
+        """
         bones = leg_rows(self.body, self.side)
         # Contiguous, which a single frame is by itself: kernels are compiled for one layout.
         hips = np.ascontiguousarray(positions[:, self.body.layout.hip_point(self.side)])
@@ -272,10 +286,11 @@ class _Foot:
         self._keep_above(plan)
 
     def _keep_above(self, plan: FootPlan) -> None:
+        """Keep the swing foot of a ``plan`` above the level floor, in place."""
         raise_swing_foot(self.soles, self.states, self.ground.height, self.frame_rate, *plan)
 
     def project_to_terrain(self, positions: FloatArray, rotations: FloatArray, plan: FootPlan) -> _ProjectedFoot:
-        """Project the foot, planned level, to uneven ground.
+        """Foot of a level ``plan``, projected to uneven ground.
 
         A foot whose heel would stand over a drop comes down flat; ``states`` are updated.
         """
@@ -295,11 +310,11 @@ class _Foot:
 def root_follow(
     off: FloatArray, states: NDArray[np.int64], frame_rate: float, positions: FloatArray, body: AnyMorphology
 ) -> FloatArray:
-    """Displacement (F, 3) in metres by which a body at ``positions`` (F, P, 3) follows feet displaced by ``off`` (2, F,
-    3).
+    """Displacement (F, 3) in metres by which a body follows feet that are displaced by ``off`` (2, F, 3).
 
-    It is the mean over the standing feet, averaged over ``AVERAGED`` seconds on either side, so that a single support
-    keeps its leg. For two flat feet with different displacements the legs keep their lengths.
+    It is the mean over the standing feet, averaged over ``AVERAGED`` seconds on either side, so that the leg of a
+    single support is unchanged. For two flat feet with different displacements the legs keep their lengths.
+    ``positions`` (F, P, 3).
     """
     stands = states != 0
     if not stands.any():
@@ -321,7 +336,7 @@ def leg_freedoms(states: NDArray[np.int64], frame_rate: float) -> FloatArray:
 
 
 def leg_soft_thresholds(motion: NormalizedMotion, states: NDArray[np.int64], is_level: bool) -> FloatArray:
-    """Soft-IK thresholds (2, F) of legs on feet with ``states`` (2, F).
+    """Soft-IK thresholds (2, F) of the legs of feet with ``states`` (2, F), as fractions of their lengths.
 
     On a level floor a standing leg's threshold is halfway from the motion's own extension to a straight leg, so that a
     nearly straight knee extends before the hips sink, and a leg in the air extends as far as the motion's own. On other
@@ -334,5 +349,7 @@ def leg_soft_thresholds(motion: NormalizedMotion, states: NDArray[np.int64], is_
 
 
 def reach_relaxation(free: FloatArray) -> FloatArray:
-    """Growth (F,) of the root's reach, in limb lengths, during a smooth release; inf if free."""
+    """Additional extension (F,), in limb lengths, that the root may cause during a smooth release of ``free`` (F,); inf
+    if 1.
+    """
     return np.asarray(np.divide(HALF_FREE_REACH * free, 1.0 - free, out=np.full(free.shape, np.inf), where=free < 1.0))

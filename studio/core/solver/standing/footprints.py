@@ -21,69 +21,80 @@ from studio.core.solver.standing.blends import smoothstep_array
 FloatArray = NDArray[np.float64]
 
 GROUND_EDGE = 0.03
-"""Deviation in metres of the ground from the plane of its slope under one sole, beyond which there is an edge."""
+"""Deviation in metres of the ground under a sole from the plane of its slope, beyond which the ground has an edge
+there.
+"""
 STEEPEST_SOLE = np.radians(35.0)
+"""Greatest slope in radians that a sole takes."""
 TOES_BEND = np.radians([-20.0, 40.0])
-"""Greatest bend of toes, down and up, to follow the ground under the ball; steeper ground is ignored."""
+"""Greatest bend of toes, down and up, in radians, to follow the ground beyond the ball; steeper ground is ignored."""
 LONGEST_FLIGHT = 1.0
-"""Seconds without contact after which a foot follows the ground below it, sampled twice in that time."""
+"""Seconds without contact from which on a foot follows the ground below it."""
 WAYPOINT = 0.5 * LONGEST_FLIGHT
+"""Seconds between samples of the ground below a foot in a long flight."""
 SHORTEST_RAMP = 0.25
-"""Seconds before the first and after the last contact that are too short to follow the ground."""
+"""Seconds before the first and after the last contact up to which a foot does not follow the ground."""
 RISE_EARLY, SINK_LATE = 0.2, 0.12
 """Greatest fraction of a flight by which a foot rises early, or sinks late."""
 CLIMB_TIME = 0.36
-"""Least seconds of a rise or descent: a short flight leaves no time for haste."""
+"""Least seconds of a rise or descent; flights that are hardly longer neither rise early nor sink late."""
 _SETTLING = 4
 """Iterations of a sole along the plane under it."""
 
 
 @dataclass(frozen=True, eq=False)
 class SolePlanes:
-    """Planes under soles: ``heights`` (N,) at their balls, ``normals`` (N, 3), ``overhangs`` (N, 2) of heel and ball
-    beyond an edge, and upward ``bends`` (N,) of the toes in radians.
-    """
+    """Planes of the ground under N soles."""
 
     heights: FloatArray
+    """(N,) heights at the balls, metres."""
     normals: FloatArray
+    """(N, 3) unit normals."""
     overhangs: NDArray[np.bool_]
+    """(N, 2) True if heel or ball is beyond an edge."""
     bends: FloatArray
+    """(N,) upward bends of the toes, radians."""
 
 
 @dataclass(frozen=True, eq=False)
 class Footprints:
-    """Contacts of one foot in time: frames ``first`` to ``last`` (N,), both included.
-
-    ``pivots`` (N, 3) balls on the level floor, ``moves`` (N, 3) their displacements, ``tilts`` (N, 3) rotation vectors
-    about them, ``bends`` (N,) upward bends of the toes in radians; ``hanging`` (N,) True for heels over a drop.
-    """
+    """The N contacts of one foot in time, with their displacement to the ground."""
 
     first: NDArray[np.int64]
+    """(N,) first frame."""
     last: NDArray[np.int64]
+    """(N,) last frame, included."""
     pivots: FloatArray
+    """(N, 3) balls on the level floor, metres."""
     moves: FloatArray
+    """(N, 3) displacements of the balls to the ground, metres."""
     tilts: FloatArray
+    """(N, 3) rotation vectors about the balls, radians."""
     bends: FloatArray
+    """(N,) upward bends of the toes, radians."""
     hanging: NDArray[np.bool_]
+    """(N,) True for a heel over a drop."""
 
 
 @dataclass(frozen=True, eq=False)
 class FootOnTerrain:
-    """One foot on the ground: ``ankles`` (F, 3), ``feet``, ``toes`` (F, 3, 3), and the interpolated ``heights`` (F,) of
-    its footprints above the level floor.
-    """
+    """One foot on uneven ground, in F frames."""
 
     ankles: FloatArray
+    """(F, 3) metres."""
     feet: FloatArray
+    """(F, 3, 3) in the world."""
     toes: FloatArray
+    """(F, 3, 3) in the world."""
     heights: FloatArray
+    """(F,) interpolated heights of its footprints above the level floor, metres."""
 
 
 def planes_under(ground: Ground, soles: FloatArray) -> SolePlanes:
-    """Planes of ``soles`` (N, 3 positions: heel, ball, tip; 2): through the ground at heel and ball, tilted across as
-    the ground.
+    """Planes of the ground under ``soles`` (N, 3, 2), the horizontal positions of heel, ball and tip.
 
-    A sole over an edge lies as its highest point does.
+    They pass through the ground at heel and ball, and are tilted across as the ground is. A sole over an edge takes the
+    plane at its highest point.
     """
     heights, normals = ground.height_at(soles), ground.normal_at(soles)
     line = soles[:, 1] - soles[:, 0]
@@ -116,7 +127,7 @@ def planes_under(ground: Ground, soles: FloatArray) -> SolePlanes:
 
 
 def tilts_of(normals: FloatArray) -> FloatArray:
-    """Rotation vectors (N, 3) of the shortest rotations from upright to ``normals`` (N, 3)."""
+    """Rotation vectors (N, 3) of the shortest rotations from the vertical to ``normals`` (N, 3)."""
     axis = np.stack([-normals[:, 1], normals[:, 0], np.zeros(len(normals))], axis=1)
     sine = np.linalg.norm(axis, axis=1, keepdims=True)
     angle = np.arctan2(sine, normals[:, 2:])
@@ -126,9 +137,10 @@ def tilts_of(normals: FloatArray) -> FloatArray:
 def find_footprints(
     states: NDArray[np.int64], ankles: FloatArray, feet: FloatArray, measures: FloatArray, ground: Ground
 ) -> Footprints:
-    """Footprints of a foot planned on the level floor: ``states`` (F,), ``ankles`` (F, 3), ``feet`` (F, 3, 3).
+    """Footprints of a foot planned on the level floor, with their displacement to the ground.
 
-    ``measures`` (F or 1, 6) of the foot as in ``morphology.sole_rows``.
+    ``states`` (F,), ``ankles`` (F, 3), ``feet`` (F, 3, 3); ``measures`` (F or 1, 6) of the foot
+    (``kernels.support.sole``).
     """
     first, last, middle, of_episode = np.array(_spans(states), dtype=np.int64).reshape(-1, 4).T
     soles = soles_of(ankles[middle], feet[middle], at_frames(measures, middle))
@@ -150,7 +162,10 @@ def find_footprints(
 def project_to_terrain(
     footprints: Footprints, ankles: FloatArray, feet: FloatArray, toes: FloatArray, ground: Ground, frame_rate: float
 ) -> FootOnTerrain:
-    """Feet planned on the level floor, projected to the ground: ``ankles`` (F, 3), ``feet``, ``toes`` (F, 3, 3)."""
+    """Foot planned on the level floor, projected to the ground with its footprints.
+
+    ``ankles`` (F, 3), ``feet`` and ``toes`` (F, 3, 3) are those planned.
+    """
     prints = _with_waypoints(footprints, ankles, ground, frame_rate)
     count = len(ankles)
     pivots, tilts = (_interpolated(prints, values, count) for values in (prints.pivots, prints.tilts))
@@ -168,7 +183,7 @@ def project_to_terrain(
 
 
 def _spans(states: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
-    """(first, last, typical frame, first footprint of its contact) of each footprint.
+    """(first, last, typical frame, index of the first footprint of its contact) of each footprint of a foot.
 
     A contact is one footprint, or several if its heel rises and comes down again while the toe stands.
     """
@@ -191,9 +206,9 @@ def _spans(states: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
 
 
 def soles_of(ankles: FloatArray, feet: FloatArray, measures: FloatArray) -> FloatArray:
-    """Positions (N, 3, 2) of heel, ball and tip of feet laid flat about their balls.
+    """Horizontal positions (N, 3, 2) of heel, ball and tip of feet that are laid flat about their balls.
 
-    ``measures`` (N or 1, 6) of the foot as in ``morphology.sole_rows``.
+    ``measures`` (N or 1, 6) of the foot (``kernels.support.sole``).
     """
     ahead = feet[:, :2, 0] / np.maximum(np.linalg.norm(feet[:, :2, 0], axis=1, keepdims=True), 1e-9)
     to_ball = np.broadcast_to(measures[:, :3], ankles.shape)
@@ -204,7 +219,7 @@ def soles_of(ankles: FloatArray, feet: FloatArray, measures: FloatArray) -> Floa
 
 
 def _with_waypoints(prints: Footprints, ankles: FloatArray, ground: Ground, frame_rate: float) -> Footprints:
-    """Footprints with additional waypoints in long flights, where a foot follows the ground below it."""
+    """Footprints with additional ones in long flights, in which a foot follows the ground below it."""
     count = len(ankles)
     borders = np.column_stack([np.append(-1, prints.last), np.append(prints.first, count)])
     frames: list[int] = []
@@ -239,9 +254,9 @@ def _with_waypoints(prints: Footprints, ankles: FloatArray, ground: Ground, fram
 
 
 def _interpolated(prints: Footprints, values: FloatArray, count: int, frame_rate: float = math.inf) -> FloatArray:
-    """``values`` (N, 3) of footprints, constant through each and interpolated between, (F, 3).
+    """Values (F, 3) of footprints over time: ``values`` (N, 3) during each footprint, interpolated between them.
 
-    With a frame rate, rises come early in the flight, and descents late, as feet pass over edges.
+    With a frame rate, rises come early in a flight, and descents late, as feet pass over edges.
     """
     frames = np.arange(count)
     following = np.minimum(np.searchsorted(prints.last, frames), len(prints.last) - 1)

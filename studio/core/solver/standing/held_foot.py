@@ -1,7 +1,8 @@
-"""A foot during an inertialised transition: it keeps its previous contact until it is lifted.
+"""A foot during an inertialised transition, which keeps its previous contact until it is lifted.
 
-Heel and toes in contact in both motions do not move at all. The rest, such as a heel that is raised in one of them,
-blends from the previous pose to the own pose.
+The *own* motion is the new one by itself; the *previous* poses (``seen``) are those shown before the transition. Heel
+and toes in contact in both do not move at all. The rest, such as a heel that is raised in one of them, blends from the
+previous pose to the own one.
 """
 
 from dataclasses import dataclass
@@ -29,31 +30,32 @@ States = NDArray[np.int64]
 
 
 FLOWN = 0.3
-"""Saturation in metres of the distance over which a lifted foot keeps its contact rotation."""
+"""Greatest distance in metres by which a lifted foot's path keeps the rotation of its contact, approached softly."""
 FLAT_TOE = 1e-3
-"""Downward pitch in radians up to which toes lie flat."""
+"""Downward pitch in radians up to which toes count as flat."""
 
 
 class Pivot(NamedTuple):
-    """Contact point of a foot: ``in_foot`` (3,) metres from the ankle in the foot's axes, then ``in_toes`` (3,) in
-    those of its toes, and ``ahead`` metres along the foot's level heading.
-    """
+    """Point of a foot about which it rotates in contact."""
 
     in_foot: FloatArray
+    """(3,) metres from the ankle, in the foot's axes."""
     in_toes: FloatArray
+    """(3,) metres from there, in the axes of the toes."""
     ahead: float = 0.0
+    """Metres from there along the foot's horizontal heading."""
 
     def offsets(self, feet: FloatArray, toes: FloatArray) -> FloatArray:
-        """Vectors (..., 3) from the ankle in the world, for rotations (..., 3, 3) of foot and toes."""
+        """World vectors (..., 3) in metres from the ankle to the pivot, for rotations (..., 3, 3) of foot and toes."""
         headings = feet[..., 0] * [1.0, 1.0, 0.0]
         headings /= np.maximum(np.linalg.norm(headings, axis=-1, keepdims=True), 1e-9)
         return np.asarray(feet @ self.in_foot + toes @ self.in_toes + self.ahead * headings)
 
 
 def heel_pivot(measures: FloatArray) -> Pivot:
-    """Pivot of a foot that stands on its heel alone: the middle of its pad, at the height of its lower edge.
+    """Pivot of a foot that stands on its heel alone: the middle of the heel's pad, at the height of its lower edge.
 
-    ``measures`` (1, 6) as in ``sole_arms``.
+    ``measures`` (1, 6) of the foot (``kernels.support.sole``).
     """
     heel, *_ = sole_arms(measures)
     return Pivot(heel[0], np.zeros(3), -HEEL_PAD_FRACTION * float(heel[0, 0]))
@@ -68,18 +70,20 @@ def toe_pivot(measures: FloatArray, *toes: FloatArray) -> Pivot:
 
 
 class SoleArms(NamedTuple):
-    """Vectors (F or 1, 3) from the ankle to the ``heel`` and the toe ``joint``, the sole's ``thickness``, and from the
-    joint to the ``tip``.
-    """
+    """Vectors along a foot, in metres in the axes of foot or toes."""
 
     heel: FloatArray
+    """(F or 1, 3) from the ankle to the lower edge of the heel, in the foot's axes."""
     joint: FloatArray
+    """(F or 1, 3) from the ankle to the toe joint, in the foot's axes."""
     thickness: FloatArray
+    """(F or 1, 3) from the sole to the toe joint."""
     tip: FloatArray
+    """(F or 1, 3) from the toe joint to the sole of the tip, in the axes of the toes."""
 
 
 def sole_arms(measures: FloatArray) -> SoleArms:
-    """Vectors of a foot of ``measures`` (F or 1, 6) as in ``morphology.sole_rows``."""
+    """``SoleArms`` of a foot with ``measures`` (F or 1, 6) (``kernels.support.sole``)."""
     arms = SoleArms(*np.zeros((4, len(measures), 3)))
     down, height = measures[:, 2], measures[:, 3]
     arms.heel[:, 0], arms.heel[:, 2] = -measures[:, 4], -height
@@ -91,58 +95,68 @@ def sole_arms(measures: FloatArray) -> SoleArms:
 
 @dataclass(frozen=True, eq=False)
 class FootPath:
-    """Path of one foot: ``ankles`` (F, 3), ``feet`` and ``toes`` (F, 3, 3) in frames of equal length."""
+    """Path of one foot over F frames."""
 
     ankles: FloatArray
+    """(F, 3) metres."""
     feet: FloatArray
+    """(F, 3, 3) in the world."""
     toes: FloatArray
+    """(F, 3, 3) in the world."""
 
     def places(self, pivot: Pivot) -> FloatArray:
-        """Positions (F, 3) of a pivot of the foot."""
+        """Positions (F, 3) in metres of a pivot of the foot."""
         return np.asarray(self.ankles + pivot.offsets(self.feet, self.toes))
 
 
 @dataclass(frozen=True, eq=False)
 class HeldFoot:
-    """Foot with its ``own`` path from the transition on and ``states`` (F,), and its previous path ``seen`` in the two
-    frames before, with ``state``. ``measures`` (1, 6) as in ``sole_arms``; ``peaks`` (2,) in rad/s2 of foot and
-    toes.
-    """
+    """Foot that keeps its previous contact during an inertialised transition."""
 
     own: FootPath
+    """Own path from the transition on."""
     states: States
+    """(F,) own states from the transition on."""
     seen: FootPath
+    """Previous path, the two frames before the transition."""
     state: int
+    """Previous state."""
     measures: FloatArray
+    """(1, 6) measures of the foot (``kernels.support.sole``)."""
     peaks: FloatArray
+    """(2,) acceleration peaks of foot and toes, rad/s2."""
     rate: float
+    """Frames a second."""
 
     @cached_property
     def _whole(self) -> NDArray[np.bool_]:
-        """(F,) true where its own contact includes all of the previous one."""
+        """(F,) True where the own contact includes all of the previous one."""
         return np.asarray((self.states & self.state) == self.state)
 
     @cached_property
     def rest(self) -> int:
-        """First such frame; 0 if it comes late, or after a flight."""
+        """First frame whose own contact includes the previous one; 0 if that is late, or after a flight."""
         rests = int(self._whole.argmax())
         soon = self._whole.any() and 2.0 * rests <= MOST_TRANSITION * self.rate
         return rests if soon and self.states[:rests].all() else 0
 
     @cached_property
     def pivot(self) -> Pivot:
-        """Pivot of the contact: the heel if that alone stands, else the ball or the tip of the toes."""
+        """Pivot of the common contact: the heel if that stands alone, else the ball or the tip of the toes."""
         if self.states[self.rest] & self.state == HEEL_STANDS:
             return heel_pivot(self.measures)
         return toe_pivot(self.measures, self.seen.toes[1], self.own.toes[self.rest])
 
     @cached_property
     def aside(self) -> FloatArray:
-        """Offset (3,) in metres from its own resting position to the previous one."""
+        """Offset (3,) in metres of the pivot from its own resting position to the previous one."""
         return np.asarray(self.seen.places(self.pivot)[1] - self.own.places(self.pivot)[self.rest])
 
     def asides(self, flight: FootFlight) -> FloatArray:
-        """Offsets (F, 3) during the contact: the pivot moves where it rolls, rotated with the foot."""
+        """Offsets (F, 3) in metres of the pivot from its own path during the contact.
+
+        The path of a pivot that rolls is rotated with the foot's heading.
+        """
         rolled = self.own.places(self.pivot) - self._came_down(flight.leaves)
         last = min(flight.leaves, len(rolled) - 1)
         flown = rolled[last:] - rolled[last]
@@ -151,7 +165,7 @@ class HeldFoot:
         return np.asarray(self.aside + Rotation.from_rotvec([0.0, 0.0, self.heading]).apply(rolled) - rolled)
 
     def _came_down(self, until: int) -> FloatArray:
-        """Own position (F, 3) of the pivot at the last landing before frame ``until``; interpolated in the air."""
+        """Own position (F, 3) of the pivot at its last landing before frame ``until``; interpolated in the air."""
         places = self.own.places(self.pivot)
         there = np.tile(places[self.rest], (len(places), 1))
         for leaves, lands in runs_of(self.states == 0):
@@ -164,12 +178,14 @@ class HeldFoot:
 
     @cached_property
     def heading(self) -> float:
-        """Angle in radians about Z from its own resting heading to the previous one."""
+        """Angle in radians about Z from the own resting heading to the previous one."""
         return float(turns_between(self.own.feet[self.rest : self.rest + 1], self.seen.feet[1:])[0, 2])
 
     def settling(self, flight: FootFlight, seconds: float) -> float:
-        """Seconds in which it blends to its own pose: ``seconds``, extended while it comes to rest, but ending before
-        it lands elsewhere, and before its contact changes.
+        """Seconds in which the foot blends to its own pose.
+
+        They are ``seconds``, extended while the foot comes to rest, but end before it lands elsewhere, and before its
+        contact changes.
         """
         landed = 1 + np.flatnonzero((self.states[1:] != 0) & (self.states[:-1] == 0))
         changes = self.rest + np.flatnonzero(self._whole[self.rest :] != self._whole[self.rest])
@@ -177,8 +193,8 @@ class HeldFoot:
         return float(min(max(seconds, 2 * self.rest / self.rate), max(until, 2) / self.rate))
 
     def path(self, flight: FootFlight, seconds: float, times: FloatArray) -> tuple[FootPath, FloatArray]:
-        """Path ``times`` (F,) seconds after the previous pose, and its horizontal offset (F, 3), which the body
-        follows.
+        """Path of the foot ``times`` (F,) seconds after the previous pose, and its horizontal offset (F, 3), which the
+        body follows.
         """
         lies = self.settling(flight, seconds)
         kept = remaining_offset_fraction(times - flight.leaves / self.rate, flight.seconds)
@@ -195,7 +211,9 @@ class HeldFoot:
         return FootPath(stands - self.pivot.offsets(feet, toes), feet, toes), aside
 
     def _lain(self, own: FloatArray, seen: FloatArray, peak: float, lies: float, times: FloatArray) -> FloatArray:
-        """Rotations (F, 3, 3) of a part from its previous rotations ``seen`` (2, 3, 3) to its ``own`` (F, 3, 3)."""
+        """Rotations (F, 3, 3) of foot or toes, from the previous rotations ``seen`` (2, 3, 3) to the ``own`` ones (F,
+        3, 3).
+        """
         speed = turns_between(seen[:1], seen[1:])[0] * self.rate
         halting = float(speed_decay_times(np.array([np.linalg.norm(speed)]), np.array([peak]), lies)[0])
         went = turned(remaining_speed_offset(times, halting)[:, None] * speed, np.broadcast_to(seen[1], own.shape))
@@ -207,10 +225,10 @@ class HeldFoot:
 
 
 def turns_between(own: FloatArray, seen: FloatArray) -> FloatArray:
-    """Rotation vectors (N, 3) from rotations ``own`` (N, 3, 3) to ``seen``."""
+    """Rotation vectors (N, 3), radians, from rotations ``own`` (N, 3, 3) to ``seen`` (N, 3, 3)."""
     return np.asarray(Rotation.from_matrix(seen @ np.swapaxes(own, 1, 2)).as_rotvec())
 
 
 def turned(vectors: FloatArray, rotation_matrices: FloatArray) -> FloatArray:
-    """Rotations (F, 3, 3) followed by rotation ``vectors`` (F, 3)."""
+    """Rotations (F, 3, 3): ``rotation_matrices`` (F, 3, 3) followed by the rotation ``vectors`` (F, 3)."""
     return np.asarray(Rotation.from_rotvec(vectors).as_matrix() @ rotation_matrices)

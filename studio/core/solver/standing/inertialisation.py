@@ -1,9 +1,9 @@
-"""Inertialised transition of a grounded motion from the previous pose of a body.
+"""Inertialised transition of a grounded motion from the previous poses of a body.
 
 Grounding looks ahead: footprints, root height and arm clearance depend on later frames. So the new motion is grounded
-by itself, and the decaying difference to the previous pose is added to it, as in ``normalized.transition``: of the
-root, of every joint, and of feet over the ground. A standing foot keeps its contact until it is lifted; one in the air
-lands where its own motion does.
+by itself (its *own* poses), and the decaying difference to the *previous* poses (``seen``) is added to it, as in
+``normalized.transition``: of the root, of every joint, and of feet over the ground. A standing foot keeps its contact
+until it is lifted; one in the air lands where its own motion does.
 """
 
 from collections.abc import Sequence
@@ -44,26 +44,30 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Stance:
-    """Last two frames of a body before a transition, without constraints.
-
-    ``positions`` (2, P, 3), ``rotations`` (2, S, 3, 3); ``ankles`` (2, 2, 3), ``feet`` and ``toes`` (2, 2, 3, 3) of
-    each side in each frame; ``states`` (2,) of contacts in both, ``soft_thresholds`` (2,) of the last footing;
-    ``peaks`` (S,) and ``root_peak`` of the previous motion.
-    """
+    """Last two frames of a body before a transition, without constraints."""
 
     positions: FloatArray
+    """(2, P, 3) metres."""
     rotations: FloatArray
+    """(2, S, 3, 3) in the world."""
     ankles: FloatArray
+    """(2, 2, 3) ankle targets by side and frame, metres."""
     feet: FloatArray
+    """(2, 2, 3, 3) by side and frame."""
     toes: FloatArray
+    """(2, 2, 3, 3) by side and frame."""
     states: NDArray[np.int64]
+    """(2,) contacts that each foot has in both frames."""
     soft_thresholds: FloatArray
+    """(2,) soft-IK thresholds of the legs."""
     peaks: FloatArray
+    """(S,) acceleration peaks of the motion before, rad/s2."""
     root_peak: float
+    """Acceleration peak of its root, rad/s2."""
 
     @classmethod
     def of(cls, standing: "GroundedMotion", frames: NDArray[np.int64]) -> "Stance":
-        """Stance in the last two of ``frames``."""
+        """Stance in the last two of the given ``frames``."""
         rows, footing = frames[-2:], standing.footing
         legs = footing.ankles[:, rows, :3], footing.feet[:, rows], footing.toes[:, rows]
         stood = footing.states[:, rows[0]] & footing.states[:, rows[-1]]  # what comes down only now still moves
@@ -72,13 +76,13 @@ class Stance:
 
     @classmethod
     def last_of(cls, standing: "GroundedMotion") -> "Stance":
-        """Stance in the last two frames."""
+        """Stance in the last two frames of a grounded motion."""
         last = standing.motion.frame_count - 1
         return cls.of(standing, np.array([max(last - 1, 0), last]))
 
     @classmethod
     def before(cls, standing: "GroundedMotion", first: int) -> "Stance":
-        """Stance in two frames extrapolated before ``first``."""
+        """Stance in two frames extrapolated backwards from frame ``first``."""
         rows, footing = [first, min(first + 1, standing.motion.frame_count - 1)], standing.footing
         places = standing.positions[rows], *footing.ankles[:, rows, :3]
         rotation_matrices = standing.rotations[rows], *footing.feet[:, rows], *footing.toes[:, rows]
@@ -92,8 +96,11 @@ class Stance:
 def inertialised_from(
     standing: "GroundedMotion", first: int, seen: Stance, seconds: float = 0.0, planned: bool = False
 ) -> "GroundedMotion":
-    """``standing`` from frame ``first`` on, inertialised from the previous stance ``seen`` in ``seconds``, or in the
-    time that the joints need if that is 0. In a ``planned`` transition feet in the air step to where they land.
+    """Grounded motion that is inertialised at frame ``first`` from the previous stance ``seen``; earlier frames are
+    that stance.
+
+    The transition takes ``seconds``, or the time that the joints need if that is 0. In a ``planned`` transition feet in
+    the air step to where they land.
     """
     change = _Change(standing, first, seen, Stance.before(standing, first), seconds, planned)
     positions, rotations = standing.positions[:].copy(), standing.rotations[:].copy()
@@ -122,7 +129,7 @@ def inertialised_from(
 def _with_limbs(
     standing: "GroundedMotion", near: slice, positions: FloatArray, rotations: FloatArray
 ) -> NormalizedMotion:
-    """The motion with limb channels of posed frames ``near`` the transition: knees keep their directions."""
+    """Motion with the limb channels of posed frames ``near`` the transition, so that knees keep their directions."""
     body, channels = standing.morphology, standing.motion.channels.copy()
     still = body.at(near.start) if isinstance(body, AnimatedMorphology) else body
     limbs = slice(at.LIMB_FRAME, at.HAND)
@@ -132,7 +139,7 @@ def _with_limbs(
 
 
 class _InertialisedFoot(NamedTuple):
-    """Path of a foot; ``carries`` (F, 3) its horizontal offset, which the body follows."""
+    """Path of a foot in a transition, and its horizontal offset (F, 3) from its own path, which the body follows."""
 
     path: FootPath
     carries: FloatArray
@@ -140,64 +147,75 @@ class _InertialisedFoot(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class _Change:
-    """Transition to ``standing`` at ``first``: its ``own`` stance before, and the previous one ``seen``."""
+    """Transition to a grounded motion at frame ``first``."""
 
     standing: "GroundedMotion"
     first: int
     seen: Stance
+    """Previous stance."""
     own: Stance
+    """Stance of the grounded motion itself before ``first``."""
     given: float
+    """Duration in seconds, 0 for as long as the joints need."""
     planned: bool
 
     @property
     def rate(self) -> float:
+        """Frames a second."""
         return self.standing.motion.frame_rate
 
     @cached_property
     def times(self) -> FloatArray:
-        """Seconds (F,) after the previous pose."""
+        """Seconds (F,) of each frame after the previous pose."""
         return np.arange(1, self.standing.motion.frame_count - self.first + 1) / self.rate
 
     @cached_property
     def peaks(self) -> FloatArray:
-        """Acceleration peaks (S,) in rad/s2, the greater of both motions."""
+        """Acceleration peaks (S,) in rad/s2 of each segment, the greater of both motions."""
         return np.maximum(self.standing.peak_angular_accelerations, self.seen.peaks)
 
     @cached_property
     def legs(self) -> FloatArray:
-        """Acceleration peaks (2, 3) of each leg: of the quieter bone, the foot and the toes."""
+        """Acceleration peaks (2, 3) in rad/s2 of each leg: of its quieter bone, of the foot and of the toes."""
         four = self.peaks[self.standing.morphology.layout.thigh_segment(0) :].reshape(2, 4)
         return np.stack([four[:, :2].min(axis=1), four[:, 2], four[:, 3]], axis=1)
 
     @cached_property
     def root_peak(self) -> float:
-        """Acceleration peak in rad/s2 of a leg by the root's travel, at most that of the quieter leg."""
+        """Acceleration peak in rad/s2 of the legs by the root's displacement, at most that of the quieter leg."""
         return min(float(self.legs[:, 0].min()), max(self.standing.root_peak, self.seen.root_peak))
 
     @property
     def leg(self) -> float:
+        """Leg length in metres."""
         return self.standing.morphology.leg_length
 
     @cached_property
     def turns(self) -> FloatArray:
-        """Rotation vectors (2, S, 3) of each segment in its parent from its own pose to the previous one."""
+        """Rotation vectors (2, S, 3) of each segment in its parent, from its own pose to the previous one, in both
+        frames.
+        """
         parents = np.array(self.standing.morphology.layout.parent_segments())
         own, seen = (_in_carriers(each.rotations, parents) for each in (self.own, self.seen))
         return _rotation_differences(own, seen)
 
     @cached_property
     def seconds(self) -> float:
-        """Duration of the decay, except for feet."""
+        """Seconds in which differences decay, except those of feet."""
         return self.given or max(seconds_of(np.linalg.norm(self.turns[1], axis=1), self.peaks), self.root_seconds)
 
     @cached_property
     def root_seconds(self) -> float:
-        """Duration of the decay of the root's offset."""
+        """Seconds in which the root's difference decays."""
         displacement = np.linalg.norm(self.seen.positions[1, 0] - self.own.positions[1, 0]) / self.leg
         return self.given or seconds_of(np.array([displacement]), np.array([self.root_peak]))
 
     def left(self, gaps: FloatArray, peak: float, scale: float = 1.0, seconds: float = 0.0) -> FloatArray:
-        """Remainder (F, N) of ``gaps`` (2, N), the last two differences; ``scale`` converts them to radians."""
+        """Remainder (F, N) of a difference over time, given its last two values ``gaps`` (2, N).
+
+        ``peak`` is the acceptable acceleration in rad/s2; ``scale`` is the number of units of the difference in a
+        radian.
+        """
         speed, seconds = (gaps[1] - gaps[0]) * self.rate, seconds or self.seconds
         halting = float(speed_decay_times(np.array([np.linalg.norm(speed)]) / scale, np.array([peak]), seconds)[0])
         place, pace = remaining_offset_fraction(self.times, seconds), remaining_speed_offset(self.times, halting)
@@ -210,7 +228,7 @@ class _Change:
         return left, right
 
     def foot(self, side: int) -> HeldFoot:
-        """One of ``feet``."""
+        """Foot of one side, with own and previous paths."""
         footing, seen, body = self.standing.footing, self.seen, self.standing.morphology.first_frame_body
         on, state = slice(self.first, None), int(seen.states[side])
         own = FootPath(footing.ankles[side, on, :3], footing.feet[side, on], footing.toes[side, on])
@@ -235,11 +253,14 @@ class _Change:
 
     @property
     def leg_segments(self) -> tuple[slice, slice]:
+        """Segments of the left and of the right leg."""
         legs = self.standing.morphology.layout.thigh_segment(0)
         return slice(legs, legs + 4), slice(legs + 4, legs + 8)
 
     def footing(self, bases: Sequence[_InertialisedFoot], positions: FloatArray, rotations: FloatArray) -> Footing:
-        """Footing of an inertialised body: swing feet follow the joints of their legs, others their ``bases``."""
+        """Footing of the inertialised body: swing feet follow the joints of their legs, others are at their
+        ``bases``.
+        """
         own, on = self.standing.footing, slice(self.first, None)
         states, soft_thresholds, ankles = own.states.copy(), own.soft_thresholds.copy(), own.ankles.copy()
         feet, toes = own.feet[:].copy(), own.toes[:].copy()
@@ -262,7 +283,7 @@ class _Change:
         return states_of(foot.states, foot.state, flight, round(foot.settling(flight, self.seconds) * self.rate))
 
     def held_foot(self, side: int, flight: FootFlight) -> _InertialisedFoot:
-        """Path of a foot that keeps its contact until it is lifted, with an offset that decays until it lands."""
+        """Path of a foot that keeps its contact until it is lifted, with an offset that decays until the foot lands."""
         foot = self.feet[side]
         if not flight.held:
             return _InertialisedFoot(foot.own, np.zeros_like(foot.own.ankles))
@@ -274,9 +295,9 @@ class _Change:
         return _InertialisedFoot(path, carries)
 
     def carried(self, bases: Sequence[_InertialisedFoot], positions: FloatArray) -> FloatArray:
-        """Rise (F,) in metres of the body for standing legs to keep the lengths of their joints.
+        """Rise (F,) in metres of the body with which standing legs keep the lengths that their joints give them.
 
-        Nearly straight knees so move as joints do.
+        Nearly straight knees move as the joints do, then.
         """
         layout, displacements, fractions = self.standing.morphology.layout, [], []
         for side, (flight, base) in enumerate(zip(self.flights, bases, strict=True)):
@@ -291,8 +312,10 @@ class _Change:
         return np.asarray((both * np.array(displacements)).sum(axis=0))
 
     def leg_lengths(self, side: int, led: FloatArray, off: FloatArray) -> FloatArray:
-        """Length (F,) in metres of a leg whose joints put its ankle at ``led`` (F, 3) from its hip, while its foot is
-        at ``off``. It extends to a foot farther away, by METHOD (11), before the body sinks.
+        """Length (F,) in metres of a leg for a foot at ``off`` (F, 3) from its hip, whose joints put the ankle at
+        ``led`` (F, 3).
+
+        The leg extends to a foot farther away, by METHOD (11), before the body sinks.
         """
         aside, own = (np.sum(each[:, :2] ** 2, axis=1) for each in (off, led))
         whole, length = self.standing.morphology.first_frame_body.leg[side].sum(), np.sum(led**2, axis=1)
@@ -304,7 +327,7 @@ class _Change:
     def drops(
         self, motion: NormalizedMotion, footing: Footing, positions: FloatArray, rotations: FloatArray
     ) -> FloatArray:
-        """Root lowering (F,) in metres for legs to reach displaced feet, fading in."""
+        """Root lowering (F,) in metres with which legs reach displaced feet, fading in."""
         on = slice(self.first, None)
         rows, needed = self.standing.morphology.rows, np.empty(len(self.times))
         ankles = footing.ankles[:, on, :3] - positions[on, 0]
@@ -317,7 +340,9 @@ class _Change:
     def swung_foot(
         self, side: int, flight: FootFlight, base: FootPath, positions: FloatArray, rotations: FloatArray
     ) -> FootPath:
-        """Path of a swing foot with the joints of its leg, blended with its ``base`` at both ends."""
+        """Path of a swing foot that follows the joints of its leg, blended with its ``base`` at both ends of the
+        flight.
+        """
         if flight.is_step:
             return base
         layout, free = self.standing.morphology.layout, flight.free(self.times, self.rate)[:, None]
@@ -330,7 +355,7 @@ class _Change:
         return self.lifted(side, flight, FootPath(ankles, feet, toes))
 
     def lifted(self, side: int, flight: FootFlight, foot: FootPath) -> FootPath:
-        """Foot at least as high over the ground as its ``flight`` rises, with a smooth maximum."""
+        """Path of a foot raised over the ground as high as its ``flight`` rises, by a smooth maximum."""
         rise = flight.rise(self.times, self.rate) * self.leg
         if not rise.any():
             return foot
@@ -339,12 +364,12 @@ class _Change:
         return FootPath(foot.ankles + raised[:, None] * [0.0, 0.0, 1.0], foot.feet, foot.toes)
 
     def soles(self, side: int) -> FloatArray:
-        """Measures (F or 1, 6) of a sole from the transition on."""
+        """Measures (F or 1, 6) of a foot from the transition on (``kernels.support.sole``)."""
         measures = sole_rows(self.standing.morphology, side)
         return measures if len(measures) == 1 else measures[self.first :]
 
     def above_ground(self, side: int, foot: FootPath, states: NDArray[np.int64]) -> FootPath:
-        """Foot no deeper in the ground than in its own motion."""
+        """Path of a foot raised so that it is no deeper in the ground than in its own motion."""
         measures, ground = self.soles(side), self.standing.ground
         own = depths_of(self.feet[side].own, measures, ground)
         deeper = np.maximum(depths_of(foot, measures, ground) - own, 0.0)
@@ -385,34 +410,40 @@ class _Change:
 
 @dataclass(frozen=True, eq=False)
 class _InertialisedFrames:
-    """Frames of a body before the transition, and the inertialised ones, which are written."""
+    """Poses of the transition's frames, own and inertialised; the latter are written."""
 
     old_places: FloatArray
+    """(F, P, 3) own positions, metres."""
     old_turns: FloatArray
+    """(F, S, 3, 3) own rotations."""
     places: FloatArray
+    """(F, P, 3) inertialised positions, metres."""
     turns: FloatArray
+    """(F, S, 3, 3) inertialised rotations."""
 
     def carry(self, point: int, segment: int, origin: int) -> None:
-        """Write a point that moves with its parent segment about ``origin``."""
+        """Write the inertialised position of a point that moves with ``segment`` about the point ``origin``."""
         arm = self.old_places[:, point] - self.old_places[:, origin]
         rotation = self.turns[:, segment] @ np.swapaxes(self.old_turns[:, segment], 1, 2)
         self.places[:, point] = self.places[:, origin] + (rotation @ arm[:, :, None])[:, :, 0]
 
 
 def _turned_back(now: FloatArray, then: FloatArray) -> FloatArray:
-    """Rotations (2, ..., 3, 3) two frames and one frame before ``now``, extrapolated from ``then``, one frame later."""
+    """Rotations (2, ..., 3, 3) two frames and one frame before ``now``, extrapolated from ``then``, one frame after."""
     back = now @ np.swapaxes(then, -1, -2)
     return np.stack([back @ back @ now, back @ now])
 
 
 def _in_carriers(rotations: FloatArray, parents: NDArray[np.int64]) -> FloatArray:
-    """Rotations (N, S, 3, 3) in the axes of the parents, of the pelvis in the world."""
+    """Rotations (N, S, 3, 3) of segments in the axes of their parents; of the pelvis in the world."""
     local = rotations[:].copy()
     local[:, 1:] = np.swapaxes(rotations[:, parents[1:]], 2, 3) @ rotations[:, 1:]
     return np.asarray(local)
 
 
 def _rotation_differences(own: FloatArray, led: FloatArray) -> FloatArray:
-    """Rotation vectors (F, ..., 3) from ``own`` (F, ..., 3, 3) to ``led``, continuous backwards from the last frame."""
+    """Rotation vectors (F, ..., 3) from ``own`` (F, ..., 3, 3) to ``led``, continuous in time back from the last
+    frame.
+    """
     rotation_matrices = sign_continuous(from_matrix(led @ np.swapaxes(own, -1, -2))[::-1])[::-1]
     return rotation_vectors(rotation_matrices * np.where(rotation_matrices[-1, ..., 3:] < 0.0, -1.0, 1.0))

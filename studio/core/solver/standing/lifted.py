@@ -1,4 +1,4 @@
-"""Grounded body translated with the height of its ground."""
+"""Translation of a grounded body with its ground, to another height."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -12,11 +12,11 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 
 _PLACE, _KNEE_FACES = 2, 5
-"""Columns of heights of an ankle, see ``Footing.ankles``."""
+"""Columns of an ankle target with the heights of the ankle and of the knee target (``Footing.ankles``)."""
 
 
 def lifted(standing: "GroundedMotion", height: float) -> "GroundedMotion":
-    """``standing`` on its ground at another ``height``."""
+    """Grounded motion moved up or down with its ground to ``height`` metres."""
     rise = height - standing.ground.height
     positions, ankles = standing.positions.copy(), standing.footing.ankles.copy()
     positions[..., 2] = positions[..., 2] + rise
@@ -34,4 +34,5 @@ def lifted(standing: "GroundedMotion", height: float) -> "GroundedMotion":
 
 
 def _raised(places: FloatArray, rise: float) -> FloatArray:
+    """Positions (..., 3) raised by ``rise`` metres."""
     return np.asarray(places + np.array([0.0, 0.0, rise]))

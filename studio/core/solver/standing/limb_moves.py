@@ -1,4 +1,4 @@
-"""Two-bone limbs moved by their ends, or turned about the line from root to end, frame by frame."""
+"""Two-bone limbs moved by their ends, or rotated about the line from root to end, frame by frame."""
 
 from typing import NamedTuple
 
@@ -13,19 +13,24 @@ from studio.core.rotations import normalized, shortest_arc
 FloatArray = NDArray[np.float64]
 
 STRAIGHT_LIMB_OFFSET = 0.02
-"""Distance in metres of elbow or knee from the line root-end up to which a limb bends by its hinge."""
+"""Distance in metres of elbow or knee from the line root-end up to which a limb counts as straight and bends by its
+hinge.
+"""
 
 
 class TwoBoneLimb(NamedTuple):
-    """Limb in the arrays of a body: the point of its ``root``, its upper ``segment``, and its last point."""
+    """An arm or leg in the arrays of a body."""
 
     root: int
+    """Index of the point of shoulder or hip."""
     segment: int
+    """Index of the upper segment."""
     last: int
+    """Index of the last point."""
 
     @staticmethod
     def of(limb: int, layout: BodyLayout) -> "TwoBoneLimb":
-        """Limb 0, 1: left and right arm; 2, 3: legs."""
+        """Limb 0 or 1, the left or right arm, or 2 or 3, the left or right leg."""
         if limb < 2:
             return TwoBoneLimb(
                 layout.wrist_point(limb) - 2, layout.upper_arm_segment(limb), layout.wrist_point(limb) + 1
@@ -35,10 +40,10 @@ class TwoBoneLimb(NamedTuple):
         )
 
     def move_end(self, goals: FloatArray, bending: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
-        """Move the end to ``goals`` (F, 3), as far as the limb reaches, in place.
+        """Move wrist or ankle to ``goals`` (F, 3), as far as the limb reaches, in place.
 
-        The limb swings by the shortest arc and bends in its plane; a straight one by its hinge, ``bending`` (F,) metres
-        aside. Hand or foot keeps its orientation.
+        The limb swings by the shortest arc and bends in its plane; a straight one bends by its hinge, ``bending`` (F,)
+        metres aside. Hand or foot keeps its orientation.
         """
         root, arm = self.root, self.segment
         roots, ends = positions[:, root], positions[:, root + 2]
@@ -61,7 +66,7 @@ class TwoBoneLimb(NamedTuple):
         positions[:, root + 1], positions[:, root + 2] = mids, placed
 
     def turn(self, vectors: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
-        """Rotate both segments by rotation vectors (F, 3) about the line from root to end, in place; hand or foot
+        """Rotate both bones by rotation vectors (F, 3) along the line from root to end, in place; hand or foot
         stays.
         """
         root, arm = self.root, self.segment
@@ -71,5 +76,5 @@ class TwoBoneLimb(NamedTuple):
 
 
 def across(displacements: FloatArray, line: FloatArray) -> FloatArray:
-    """Component of vectors (F, 3) across unit vectors ``line`` (F, 3)."""
+    """Component of vectors (F, 3) perpendicular to the unit vectors ``line`` (F, 3)."""
     return np.asarray(displacements - np.sum(displacements * line, axis=1, keepdims=True) * line)

@@ -1,4 +1,4 @@
-"""Pelvic obliquity for feet at other heights than in the motion (METHOD section 4)."""
+"""Pelvic obliquity for feet at heights other than in the motion (METHOD section 4)."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,9 @@ from studio.core.solver.standing.blends import AVERAGED, GOES_ALONG, averaged, r
 FloatArray = NDArray[np.float64]
 
 MAX_OBLIQUITY = np.radians(2.0)
-"""Greatest obliquity, approached softly. People tilt it by twice that; then hips were displaced by over 5 mm."""
+"""Greatest obliquity in radians, approached softly. People tilt the pelvis by twice this, but then hips would be
+displaced by over 5 mm.
+"""
 
 
 def dip_pelvis(
@@ -22,8 +24,8 @@ def dip_pelvis(
     positions: FloatArray,
     rotations: FloatArray,
 ) -> FloatArray:
-    """Tilt the pelvis about its heading, in place, under an upright trunk; displacements (2, F, 3) of the hips in
-    metres.
+    """Tilt the pelvis about its heading under an upright trunk, in place; returns the displacements (2, F, 3) of the
+    hips in metres.
 
     Feet displaced by ``off`` (2, F, 3) need hips at different heights; for two straight legs there is no other
     solution. ``positions`` (F, P, 3), ``rotations`` (F, S, 3, 3).

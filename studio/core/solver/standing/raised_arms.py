@@ -1,4 +1,4 @@
-"""Arms kept above the ground: hands and elbows of longer arms would be below it (METHOD 6)."""
+"""Arms raised above the ground: hands and elbows of arms longer than the actor's would be below it (METHOD 6)."""
 
 from typing import NamedTuple
 
@@ -26,15 +26,19 @@ from studio.core.solver.standing.settling import ArmStance
 FloatArray = NDArray[np.float64]
 
 ARM_CLEARANCE = 0.03
-"""Height above the ground, in leg lengths, below which wrist and finger tips begin to rise; 3/16 is kept."""
+"""Height above the ground, in leg lengths, below which wrist and finger tips begin to rise; at ground height they are
+raised by 3/16 of this.
+"""
 OUTWARDS = 2.0
-"""Factor of an elbow's outward displacement with its depth."""
+"""Outward component of an elbow's displacement per unit of its depth, both in upper arm lengths."""
 ELBOW_ROTATIONS = 3
 """Iterations of the rotation of an arm in contact: on its circle an elbow is lower than on its way out."""
 
 
 class _PosedBody(NamedTuple):
-    """A body whose ``positions`` (F, P, 3) and ``rotations`` (F, S, 3, 3) are corrected in place."""
+    """A posed body over its ground, whose ``positions`` (F, P, 3) and ``rotations`` (F, S, 3, 3) are corrected in
+    place.
+    """
 
     body: AnyMorphology
     ground: Ground
@@ -53,7 +57,7 @@ def raise_arms(
 ) -> None:
     """Raise hands and elbows of a grounded body, (F, P, 3) and (F, S, 3, 3), out of level ground, in place.
 
-    Hands bend back first, then arms raise them with their world orientation; hands in contact (``arms``) stay.
+    Hands bend back first; then arms raise them, with their world orientation. Hands in contact (``arms``) stay.
     """
     if not ground.is_level:
         return
@@ -68,13 +72,15 @@ def raise_arms(
 
 def _angles(line: FloatArray, now: FloatArray, then: FloatArray) -> FloatArray:
     """Angles (F,) in radians about unit vectors ``line`` from ``now`` to ``then``, all (F, 3), both perpendicular to
-    it.
+    ``line``.
     """
     return np.asarray(np.arctan2(np.sum(np.cross(now, then) * line, axis=1), np.sum(now * then, axis=1)))
 
 
 def _outright(now: FloatArray) -> FloatArray:
-    """Fraction (F,) of its rotation for an elbow at ``now`` (F, 3) from the line of its arm; small near the line."""
+    """Fraction (F,) by which an arm is rotated about its line, for an elbow at ``now`` (F, 3) from that line; small
+    near it.
+    """
     wide = np.sum(now**2, axis=1)
     return np.asarray(wide / (wide + STRAIGHT_LIMB_OFFSET**2))
 
@@ -82,7 +88,8 @@ def _outright(now: FloatArray) -> FloatArray:
 def _bend_hand(side: int, free: FloatArray, posed: _PosedBody) -> None:
     """Bend a hand back at the wrist, in place, by its weight ``free`` (F,), until its fingers are above the ground.
 
-    It bends no farther than level: people bend the wrist before the elbow. A hand with its back down would not rise.
+    It bends at most until it is level: people bend the wrist before the elbow. A hand whose back is down would not
+    rise.
     """
     body, ground, frame_rate, positions, rotations = posed
     wrist, hand, margin = (
@@ -109,7 +116,7 @@ def _bend_hand(side: int, free: FloatArray, posed: _PosedBody) -> None:
 
 
 def _raise_hand(side: int, free: FloatArray, posed: _PosedBody) -> None:
-    """Raise a hand, in place, by its weight ``free`` (F,); its arm bends and swings in its plane."""
+    """Raise a hand out of the ground, in place, by its weight ``free`` (F,); its arm bends and swings in its plane."""
     body, ground, frame_rate, positions, rotations = posed
     wrist, margin = body.layout.wrist_point(side), ARM_CLEARANCE * body.leg_length
     heights = _above(ground, positions[:, wrist : wrist + 2]).min(axis=1)
@@ -129,10 +136,10 @@ def _above(ground: Ground, places: FloatArray) -> FloatArray:
 
 
 def _raise_elbow(side: int, free: FloatArray, posed: _PosedBody) -> None:
-    """Move an elbow out of the ground, in place: the upper arm swings out, with forearm and hand by the weight ``free``
-    (F,).
+    """Move an elbow out of the ground, in place.
 
-    With a hand in contact the arm rotates about the line from shoulder to wrist.
+    The upper arm swings out; forearm and hand move along by their weight ``free`` (F,). With a hand in contact the arm
+    rotates about the line from shoulder to wrist.
     """
     body, ground, _, positions, rotations = posed
     layout = body.layout
@@ -158,8 +165,10 @@ def _raise_elbow(side: int, free: FloatArray, posed: _PosedBody) -> None:
 
 
 def _displacements_out(elbows: FloatArray, shoulders: FloatArray, out: FloatArray, ground: Ground) -> FloatArray:
-    """Displacements (F, 3) of ``elbows`` out of the ground, about their ``shoulders``, all (F, 3): away from their
-    hanging position, and increasingly ``out`` from the body with depth.
+    """Displacements (F, 3) in metres of ``elbows`` out of the ground, about their ``shoulders``, both (F, 3).
+
+    They lead away from the elbow's hanging position and, increasingly with depth, along ``out`` (F, 3), away from the
+    body.
     """
     upper = elbows - shoulders
     lengths = np.maximum(np.linalg.norm(upper, axis=1), 1e-9)

@@ -1,4 +1,4 @@
-"""Parts of a row of clips, grounded separately and joined. A part extends from one transition to the next."""
+"""Parts of a performer's motion that are grounded separately, and joined again: from one transition to the next."""
 
 from collections.abc import Sequence
 from dataclasses import fields, replace
@@ -15,14 +15,17 @@ if TYPE_CHECKING:
 
 
 def parts_of(request: AdaptRequest) -> list[tuple[slice, AdaptRequest]]:
-    """Requests between transitions, each as a motion of its own."""
+    """(frames, request) of each part between transitions, as a motion of its own."""
     if not request.motion.changes:
         return [(slice(0, request.motion.frame_count), request)]
     return [(frames, _part(request, frames)) for frames in request.motion.parts]
 
 
 def windows_in(frames: slice, count: int, windows: Sequence[slice] | None) -> list[slice]:
-    """``windows`` within a part of a row of ``count`` frames, and its ends, which transitions read."""
+    """``windows`` within the ``frames`` of a part, relative to its beginning, with its ends, which transitions read.
+
+    ``count`` is the number of frames of the whole motion.
+    """
     last = frames.stop - frames.start
     if windows is None:
         return [slice(0, last)]
@@ -33,6 +36,7 @@ def windows_in(frames: slice, count: int, windows: Sequence[slice] | None) -> li
 
 
 def _part(request: AdaptRequest, frames: slice) -> AdaptRequest:
+    """Request for the ``frames`` of a part alone."""
     body, last = request.morphology, frames.stop - frames.start - 1
     return replace(
         request,
@@ -47,7 +51,7 @@ def _part(request: AdaptRequest, frames: slice) -> AdaptRequest:
 
 
 def joined(request: AdaptRequest, parts: Sequence["GroundedMotion"]) -> "GroundedMotion":
-    """Parts joined in time as the result of the ``request``."""
+    """Grounded motion of the whole ``request`` from its ``parts``, one after the other in time."""
     if len(parts) == 1:
         return parts[0]
     footings = [each.footing for each in parts]

@@ -1,4 +1,6 @@
-"""Settling of a supported body: the root in reach of all contacts, knees and hands at their contacts."""
+"""Settling of a body on all its contacts: the root is moved until they are in reach, then knees and hands are
+placed.
+"""
 
 from dataclasses import dataclass, replace
 
@@ -37,42 +39,52 @@ from studio.core.solver.standing.swing_foot_path import SOLE_TOLERANCE
 FloatArray = NDArray[np.float64]
 
 SOFT_TRAVEL_COST, FIRM_TRAVEL_COST = 1e-2, 1e-4
-"""Cost of a metre of travel relative to a metre out of reach: while moves are averaged over time, and for the last."""
+"""Cost of a metre of the body's travel, relative to a metre out of reach: while moves are averaged over time, and in
+the last, exact move.
+"""
 KNEE_TOLERANCE = 0.1
-"""Fraction of the growth of the root's reach by which a released knee may miss its thigh's length."""
+"""Difference from its thigh's length that a released knee may have, as a fraction of the root's additional reach."""
 LEAST_LEG_REACH = 0.18
-"""Least distance hip-ankle, in leg lengths, of a fleshy leg, unless the actor's is folded further."""
+"""Least distance hip-ankle, in leg lengths, of a leg with flesh, unless the actor's is folded further."""
 FOLDED_MARGIN = 0.01
-"""Fraction of its length by which a limb's ends stay further apart than when folded."""
+"""Least distance of a limb's ends beyond the distance at which it is completely folded, as a fraction of its length."""
 CONTACT_MOVES = 5
 """Iterations of moving contacts that the body cannot reach."""
 SETTLING_ROUNDS = 4
-"""Averages over time before the last, exact move."""
+"""Number of moves that are averaged over time before the last, exact move."""
 
 
 @dataclass(frozen=True, eq=False)
 class ArmStance:
-    """Arms in contact: ``wrists`` (2, F, 3), ``hands`` (2, F, 3, 3) in the world, ``bends`` (2, F) sign of the elbow's
-    side, ``soft_thresholds`` (2, F), 0 for an arm without target, and frames ``standing`` (2, F) in contact.
-    """
+    """Targets of arms in contact with the ground, in all frames."""
 
     wrists: FloatArray
+    """(2, F, 3) metres."""
     hands: FloatArray
+    """(2, F, 3, 3) in the world."""
     bends: FloatArray
+    """(2, F) sign of the side to which the elbow bends."""
     soft_thresholds: FloatArray
+    """(2, F) soft-IK thresholds, fractions of the arm's length, 0 for an arm without target."""
     standing: NDArray[np.bool_]
+    """(2, F) True in contact."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Links:
-    """Limbs as links of ``settle_frames``: (F, 3) ``starts`` from the root, ``ends``; (F,) bounds of their lengths."""
+    """Limbs as links between body and contacts, for ``settle_frames``."""
 
     starts: list[FloatArray]
+    """(F, 3) shoulder, or hip, of each link, from the root."""
     ends: list[FloatArray]
+    """(F, 3) wrist, ankle or knee of each link."""
     min_lengths: list[FloatArray]
+    """(F,) least length of each link, metres."""
     max_lengths: list[FloatArray]
+    """(F,) greatest length of each link, metres."""
 
     def add(self, start: FloatArray, end: FloatArray, least: FloatArray | float, most: FloatArray) -> None:
+        """Add a link from ``start`` to ``end`` (F, 3) with the least and the greatest length in metres."""
         self.starts.append(start)
         self.ends.append(end)
         self.min_lengths.append(np.broadcast_to(least, most.shape))
@@ -88,10 +100,10 @@ def settle(
     positions: FloatArray,
     rotations: FloatArray,
 ) -> tuple[Footing, ArmStance, tuple[GroundContact, ...]]:
-    """Lower, move and rotate a shifted body (F, P, 3), (F, S, 3, 3), in place, until all contacts are in reach.
+    """Lower, move and rotate a displaced body (F, P, 3), (F, S, 3, 3), in place, until all contacts are in reach.
 
-    Returns the footing without root lowering, with knee targets in its ankles (2, F, 7) where knees are in contact, the
-    arms, and the contacts that the body can reach.
+    Returns the footing without root lowering, whose ankle targets (2, F, 7) have knee targets where knees are in
+    contact, the arms in contact, and the contacts, moved to where the body reaches them.
     """
     positions[:, :, 2] -= footing.drops[:, None]
     level = replace(footing, drops=np.zeros_like(footing.drops))
@@ -110,6 +122,7 @@ def settle(
 
 
 def _kneeling_of(holds: dict[ContactPoint, GroundContact]) -> list[GroundContact]:
+    """Contacts of the knees."""
     return [holds[point] for point in (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE) if point in holds]
 
 
@@ -121,7 +134,7 @@ def _settled(
     ground: Ground,
     positions: FloatArray,
 ) -> tuple[Footing, FloatArray]:
-    """Footing with knees, and moves (F, 6) of the body to it and to its contacts."""
+    """Footing with knees in contact, and moves (F, 6) that bring the body into reach of its contacts."""
     rate, layout = motion.frame_rate, body.layout
     roots = np.ascontiguousarray(positions[:, 0])
     if ContactPoint.SEAT in holds:
@@ -154,7 +167,7 @@ def _settled(
 
 
 def _shortest(lengths: FloatArray) -> FloatArray:
-    """Length (F or 1,) in metres of a folded limb with bones ``lengths`` (F or 1, 2)."""
+    """Least distance (F or 1,) in metres of a folded limb's ends, for bones of ``lengths`` (F or 1, 2)."""
     return np.asarray(np.abs(lengths[:, 0] - lengths[:, 1]) + FOLDED_MARGIN * lengths.sum(axis=1))
 
 
@@ -166,8 +179,9 @@ def within_reach(
     ground: Ground,
     positions: FloatArray,
 ) -> dict[ContactPoint, GroundContact]:
-    """Contacts of a settled body, ``positions`` (F, P, 3), moved along the ground where they are out of reach;
-    ``footing`` before knees.
+    """Contacts of a settled body, moved along the ground to where they are in reach.
+
+    ``positions`` (F, P, 3); ``footing`` is that without knees in contact.
     """
     moved = {}
     for point, hold in holds.items():
@@ -186,7 +200,7 @@ def within_reach(
 def _knee_displacements(
     hold: GroundContact, footing: Footing, body: AnyMorphology, positions: FloatArray
 ) -> FloatArray:
-    """Displacements (F, 3) that bring knees to their bones' lengths from hips, and from standing toes."""
+    """Displacements (F, 3) of knees in contact to their bones' lengths from hips, and from standing toes."""
     side = hold.point.side
     legs = leg_rows(body, side)
     residual = _too_far(hold.places, positions[:, body.layout.hip_point(side)], legs[:, 0], legs[:, 0])
@@ -200,7 +214,9 @@ def _knee_displacements(
 
 
 def _too_far(ends: FloatArray, starts: FloatArray, least: FloatArray, most: FloatArray) -> FloatArray:
-    """Shortest displacements (F, 3) of ``ends`` (F, 3) to within ``least`` to ``most`` metres of ``starts``."""
+    """Shortest displacements (F, 3) of ``ends`` (F, 3) after which they are ``least`` to ``most`` metres from
+    ``starts``.
+    """
     displacement = starts - ends
     span = np.maximum(np.linalg.norm(displacement, axis=1), 1e-9)
     over = np.maximum(span - most, 0.0) + np.minimum(span - least, 0.0)
@@ -208,7 +224,7 @@ def _too_far(ends: FloatArray, starts: FloatArray, least: FloatArray, most: Floa
 
 
 def _moves(roots: FloatArray, links: _Links, seats: FloatArray, frame_rate: float) -> FloatArray:
-    """Moves (F, 6) of the body, travel and rotation: repeatedly averaged over time, then exact."""
+    """Moves (F, 6) of the body, translation and rotation vector: repeatedly averaged over time, then exact."""
     moves, centres = np.zeros((len(roots), 6)), np.zeros((len(roots), 6))
     known = records.SupportLinks(
         *(np.ascontiguousarray(each) for each in (links.starts, links.ends, links.min_lengths, links.max_lengths))
@@ -221,7 +237,7 @@ def _moves(roots: FloatArray, links: _Links, seats: FloatArray, frame_rate: floa
 
 
 def _seats(hold: GroundContact | None, body: AnyMorphology, frame_rate: float, positions: FloatArray) -> FloatArray:
-    """Rows (F, 7): middle of the hips relative to the root, target of the seat, and weight of its contact."""
+    """Seat targets (F, 7): middle of the hips relative to the root, its target, and the weight of its contact."""
     middle = track_of(ContactPoint.SEAT, body, positions)
     if hold is None:
         return np.column_stack([middle - positions[:, 0], middle, np.zeros(len(middle))])
@@ -237,10 +253,10 @@ def _kneeling(
     ground: Ground,
     positions: FloatArray,
 ) -> Footing:
-    """Footing with knees: (2, F, 7) ankles, knees and their weights; shanks keep their lengths.
+    """Footing with knees in contact: ankle targets (2, F, 7) with knees and their weights; shanks keep their lengths.
 
-    With the knee alone in contact the foot follows; with the toe, the foot rotates about it; with the heel, the knee
-    yields.
+    With the knee alone in contact the foot follows; with the toe as well, the foot rotates about the toe; with the heel
+    as well, the knee yields.
     """
     frame_rate = motion.frame_rate
     ankles = np.concatenate([footing.ankles, np.zeros((*footing.ankles.shape[:2], 4))], axis=2)
@@ -284,7 +300,9 @@ def _let_go_of_knees(
     positions: FloatArray,
     rotations: FloatArray,
 ) -> None:
-    """Swivel knees of a settled body to their contacts, with interpolation before and after, in place."""
+    """Swivel knees of a settled body to their contacts, interpolated before and after, in the ankle targets of
+    ``footing``.
+    """
     side = hold.point.side
     ankles, soft_thresholds = footing.ankles[side], footing.soft_thresholds[side]
     hips, pelvises = np.ascontiguousarray(positions[:, body.layout.hip_point(side)]), rotations[:, 0]
@@ -311,7 +329,7 @@ def _kept_above(
     ground: Ground,
     frame_rate: float,
 ) -> FloatArray:
-    """Ankles (F, 3) of a kneeling body, raised above the plane of the ground; ``toes`` bend up, in place."""
+    """Ankles (F, 3) of a kneeling body, raised above the plane of the ground; ``toes`` are bent up in place."""
     under = np.column_stack([ankles[:, :2], averaged(ground.height_at(ankles)[:, None], AVERAGED, frame_rate)])
     tilts = averaged(tilts_of(ground.normal_at(ankles)), AVERAGED, frame_rate)
     rotation_matrices = Rotation.from_rotvec(tilts).as_matrix()
@@ -327,10 +345,7 @@ def _kept_above(
 def _off_its_instep(
     ankles: FloatArray, feet: FloatArray, toes: FloatArray, soles: FloatArray, ground: Ground
 ) -> FloatArray:
-    """Displacement (F, 3) of feet with their soles up, to clear their toes.
-
-    METHOD (7).
-    """
+    """Displacements (F, 3) of feet whose soles are up, which clear their toes of the ground. METHOD (7)."""
     forward, left, down, height, _, length = np.broadcast_to(soles, (len(feet), 6)).T
     joint = ankles + np.einsum("fij,fj->fi", feet, np.column_stack([forward, left, down]))
     tip = joint + np.einsum("fij,fj->fi", toes, np.column_stack([length, 0.0 * length, -height - down]))
@@ -341,14 +356,16 @@ def _off_its_instep(
 
 
 def _relaxed_thresholds(soft_thresholds: FloatArray, fraction: FloatArray) -> FloatArray:
-    """Soft-IK thresholds relaxed by ``fraction``, for legs without load."""
+    """Soft-IK thresholds relaxed by ``fraction`` towards a straight leg, for legs without load."""
     return np.asarray(soft_thresholds + fraction * np.maximum(MAX_EXTENSION - soft_thresholds, 0.0))
 
 
 def _on_both(
     first: FloatArray, first_radius: FloatArray, second: FloatArray, second_radius: FloatArray, target: FloatArray
 ) -> FloatArray:
-    """Points (F, 3) nearest to ``target`` at given distances from two points, or between them."""
+    """Points (F, 3) at given distances from two points, nearest to ``target``; on the line between these if there are
+    none.
+    """
     line = second - first
     apart = np.maximum(np.linalg.norm(line, axis=1, keepdims=True), 1e-9)
     along = line / apart
@@ -367,7 +384,7 @@ def _arms(
     positions: FloatArray,
     rotations: FloatArray,
 ) -> ArmStance:
-    """Arm stance of a settled body."""
+    """Targets of arms in contact, for a settled body."""
     layout, count = body.layout, len(positions)
     soft_thresholds, standing = np.zeros((2, count)), np.zeros((2, count), dtype=np.bool_)
     wrists = np.stack([positions[:, layout.wrist_point(side)] for side in range(2)])

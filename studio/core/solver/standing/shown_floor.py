@@ -1,4 +1,4 @@
-"""Floor of a captured motion, from its own footprints, because captured floors are tilted and drift by centimetres
+"""Floor of a captured motion, found from its own footprints: captured floors are tilted and drift by centimetres
 (METHOD 5).
 """
 
@@ -18,18 +18,18 @@ from studio.core.windows import bell_average
 FloatArray = NDArray[np.float64]
 
 FLOOR_SMOOTHING = 0.05
-"""Seconds, standard deviation, of the floor's transition between footprints."""
+"""Standard deviation in seconds of the smoothing of the floor between footprints."""
 SWING_FOOT_WEIGHT = 0.01
-"""Weight of a swing foot relative to a standing one."""
+"""Weight of a swing foot in the floor's mean height, relative to a standing foot."""
 
 
 def shown_floor(
     contacts: Sequence[ContactInterval], positions: FloatArray, body: AnyMorphology, frame_rate: float
 ) -> FloatArray:
-    """Floor heights (F,) in metres under a retargeted motion, ``positions`` (F, P, 3), from its standing soles.
+    """Floor heights (F,) in metres under a retargeted motion with ``positions`` (F, P, 3), from its standing soles.
 
-    The floor under each foot is interpolated between footprints; that of the body is the low-passed mean of the
-    standing feet. 0 without any flat foot.
+    The floor under each foot is interpolated between footprints; the floor under the body is the low-passed mean over
+    the standing feet. 0 without any flat foot.
     """
     flat = foot_states(contacts, len(positions)) == SOLE_STANDS
     soles = np.array(
@@ -46,7 +46,7 @@ def shown_floor(
 
 
 def _passed_on(heights: FloatArray, known: NDArray[np.bool_]) -> FloatArray:
-    """``heights`` (F,) where ``known``, interpolated between."""
+    """``heights`` (F,), given where ``known``, interpolated between."""
     filled = np.repeat(heights[:, None], 3, axis=1)
     interpolate_gaps(filled, known)
     return filled[:, 0]

@@ -1,4 +1,4 @@
-"""Grounding of a motion before any constraint: scaled to one body, feet on the ground, arms out of the body."""
+"""Grounding of a motion before any constraint: scaled to one body, with feet on the ground and arms out of the body."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -35,43 +35,51 @@ from studio.core.solver.standing.shown_floor import shown_floor
 FloatArray = NDArray[np.float64]
 
 PEAK_RUN = 4096
-"""Frames whose accelerations are computed at a time."""
+"""Number of frames whose accelerations are computed at a time."""
 CONTEXT_SECONDS = 1.0
-"""Seconds around a frame whose poses affect its solution, such as a balance's support polygon."""
+"""Seconds around a frame whose poses affect its solution, for example by a balance's support polygon."""
 
 
 @dataclass(frozen=True, eq=False)
 class GroundedMotion:
-    """Grounded motion on one body, independent of constraints, so that these can be dragged quickly."""
+    """Grounded motion on one body. It does not depend on constraints, so that these can be dragged quickly."""
 
     motion: NormalizedMotion
     morphology: AnyMorphology
     contacts: tuple[ContactInterval, ...]
     ground: Ground
     footing: Footing
+    """Leg targets."""
     holds: tuple[GroundContact, ...]
+    """Contacts of hands, knees and seat."""
     arms: ArmStance | None
+    """Targets of arms in contact, if any."""
     positions: PoseArray
+    """(F, P, 3) metres."""
     rotations: PoseArray
+    """(F, S, 3, 3) in the world."""
     volume: BodyVolume | None = None
     actor: Morphology | None = None
     limited: bool = True
+    """True if limb joints stay within human range."""
     self_contact: SelfContact | None = None
 
     @property
     def unconstrained(self) -> UnconstrainedPoses:
-        """Poses before constraints."""
+        """Poses before constraints, those of this motion."""
         return UnconstrainedPoses(self.positions, self.rotations)
 
     def kept(self, store: Callable[[PoseArray], CompactArray] = single) -> "GroundedMotion":
-        """Copy with poses in half the memory, see ``core.compact_array``; ``store`` chooses where."""
+        """Copy with poses in half the memory (``core.compact_array``); ``store`` compresses an array and chooses its
+        place.
+        """
         footing = replace(self.footing, feet=store(self.footing.feet), toes=store(self.footing.toes))
         return replace(self, footing=footing, positions=store(self.positions), rotations=store(self.rotations))
 
     def with_arms_right(self, windows: Sequence[slice]) -> "GroundedMotion":
-        """Copy with self-contacts solved, in place, at least in some ``windows``.
+        """Solve self-contacts in at least the frames of ``windows``, in place, and return this motion.
 
-        There, and a second around, the result equals that of all frames in one window. To be called before ``kept``.
+        In the windows, and a second around, the result equals that of solving all frames. To be called before ``kept``.
         """
         contact, motion = self.self_contact, self.motion
         if contact is None:
@@ -91,19 +99,19 @@ class GroundedMotion:
         return self
 
     def around(self, window: slice, seconds: float) -> slice:
-        """``window`` extended by ``seconds`` on either side."""
+        """``window`` extended by ``seconds`` on either side, within the motion."""
         frames = math.ceil(seconds * self.motion.frame_rate)
         return slice(max(window.start - frames, 0), min(window.stop + frames, self.motion.frame_count))
 
     @cached_property
     def limb_freedoms(self) -> FloatArray:
-        """Release weights (4, F) of the limbs from their contacts."""
+        """Release weights (4, F) of the limbs from their contacts: 0 in contact."""
         count, rate = self.motion.frame_count, self.motion.frame_rate
         return np.array([limb_freedom(self.contacts, limb, count, rate) for limb in range(4)])
 
     @cached_property
     def peak_angular_accelerations(self) -> FloatArray:
-        """Greatest angular acceleration (S,) of each segment in its parent, rad/s2."""
+        """Greatest angular acceleration (S,) of each segment in its parent over all frames, rad/s2."""
         parents = np.array(self.morphology.layout.parent_segments())
         greatest, peaks = np.zeros(len(parents)), np.empty((len(parents), 2))
         for first in range(0, max(self.motion.frame_count - 2, 1), PEAK_RUN):  # all rotations of a long take are large
@@ -113,18 +121,16 @@ class GroundedMotion:
 
     @cached_property
     def root_peak(self) -> float:
-        """Greatest angular acceleration of a bone that follows the root's travel
-        (``kernels.time.acceleration_peaks``).
-        """
+        """Greatest angular acceleration in rad/s2 of a bone that follows the root's displacement."""
         pushes = np.linalg.norm(np.diff(self.positions[:, 0], 2, axis=0), axis=1)
         return float(pushes.max(initial=0.0)) * self.motion.frame_rate**2 / RADIAN_LENGTH
 
 
 def grounded_motion_of(request: AdaptRequest, windows: Sequence[slice] | None = None) -> GroundedMotion:
-    """Grounded motion of ``request`` before its constraints; self-contacts, the most expensive part, at least in
-    ``windows``.
+    """Grounded motion of ``request`` before its constraints.
 
-    Clips of a row are grounded separately, and inertialised at their transitions.
+    Clips are grounded separately, and inertialised at their transitions. Self-contacts, the most expensive part, are
+    solved at least in ``windows``, by default everywhere.
     """
     motion, parts = request.motion, list[GroundedMotion]()
     self_contact = self_contact_of(
@@ -156,16 +162,16 @@ def stand(
     limited: bool = True,
     clears: bool = False,
 ) -> GroundedMotion:
-    """Ground a motion on a body: feet, and all other contacts (K05 sections 6 and 7).
+    """Grounded motion of a motion on a body: with feet and all other contacts on the ground (K05 sections 6 and 7).
 
-    Hands touch what the actor's touch; with ``clears`` arms stay out of the body (``solver.self_contact``).
+    Hands touch what the actor's touch; with ``clears`` arms stay out of the body (``solver.asking.self_contact``).
     """
     known = motion, morphology, tuple(contacts)
     return grounded_motion_of(AdaptRequest(*known, (), ground, {}, volume, actor, limited, False, clears))
 
 
 def _stand_alone(request: AdaptRequest) -> GroundedMotion:
-    """Grounded motion without transitions, before its self-contacts."""
+    """Grounded motion of a request without transitions, before its self-contacts are solved."""
     motion, morphology, contacts, ground = request.motion, request.morphology, request.contacts, request.ground
     volume, actor, limited = request.volume, request.actor, request.limited
     positions, rotations = realize_motion(motion, morphology)

@@ -1,5 +1,6 @@
-"""Flights of feet during an inertialised transition: they keep their contact, step, or land where the
-motion has them.
+"""Flights of feet during an inertialised transition: feet keep their contact, step, or land where the motion has them.
+
+The *own* states are those of the new motion; the previous ones (``seen``) are those before the transition.
 """
 
 from dataclasses import dataclass
@@ -16,38 +17,40 @@ FloatArray = NDArray[np.float64]
 States = NDArray[np.int64]
 
 SWING_PACE = 0.4
-"""Seconds that a foot in the air needs more for each leg length of its way, where its steps are planned."""
+"""Additional seconds of a foot in the air for each leg length of its displacement, in planned transitions."""
 SHORTEST_SWING = 0.35
-"""Seconds that it has at least to land where its own motion already stands."""
+"""Least seconds of a foot in the air that is to land where its own motion already stands."""
 
 
 @dataclass(frozen=True)
 class FootFlight:
-    """Flight of a foot from frame ``leaves`` after the transition, 0 at once, to its landing in ``lands``.
-
-    Its offset decays in ``seconds``; ``height`` in leg lengths is its lift. ``held`` if it keeps its contact before.
-    """
+    """Flight of one foot during a transition."""
 
     leaves: int
+    """Frame after the transition at which the foot is lifted, 0 at once."""
     lands: int
+    """Frame at which it lands."""
     seconds: float
+    """Seconds in which its offset decays."""
     height: float = 0.0
+    """Greatest lift in leg lengths."""
     held: bool = False
+    """True if the foot keeps its contact before."""
 
     @property
     def is_step(self) -> bool:
-        """True if the foot is lifted during the transition although it is in contact in the clip: an added step."""
+        """True for an added step: the foot is lifted during the transition although it is in contact in the clip."""
         return self.held and self.height > 0.0
 
     def free(self, times: FloatArray, rate: float) -> FloatArray:
-        """Weight (F,) in [0, 1] of being off the ground, or off its previous position, ``times`` seconds after the
-        transition.
+        """Weight (F,) in [0, 1] to which the foot is in the air, ``times`` (F,) seconds after the transition; ``rate``
+        in frames a second.
         """
         lifted = 1.0 - remaining_offset_fraction(times - self.leaves / rate, self.seconds) if self.held else 1.0
         return np.asarray(lifted * remaining_offset_fraction(times - (self.lands / rate - self.seconds), self.seconds))
 
     def rise(self, times: FloatArray, rate: float) -> FloatArray:
-        """Lift (F,) in leg lengths ``times`` seconds after the previous pose."""
+        """Lift (F,) in leg lengths, ``times`` (F,) seconds after the transition."""
         fraction = np.clip((times - self.leaves / rate) / self.seconds, 0.0, 1.0)
         return np.asarray(self.height * (4.0 * fraction * (1.0 - fraction)) ** 3)
 
@@ -61,13 +64,13 @@ def flights_of(
     rate: float,
     planned: bool = False,
 ) -> tuple[FootFlight, ...]:
-    """Flight of each foot with own states ``own`` (2, F) and previous ones ``seen`` (2,).
+    """Flight of each foot during a transition, from own states ``own`` (2, F) and previous ones ``seen`` (2,).
 
-    ``displacements`` (2,) leg lengths to its own position, ``needed`` (2, 2) seconds to get there from the ground, and
-    through the air; all steps together take ``given`` seconds, 0 as many as they need. A foot steps while the other one
-    stands; a foot that the motion lifts before uses that flight. One that is lifted within ``LEAST_TRANSITION``
-    leaves at once. Where steps are ``planned``, a foot in the air takes the time and the height of a step to a
-    position aside.
+    ``displacements`` (2,) are leg lengths to the foot's own position, ``needed`` (2, 2) seconds to get there from the
+    ground, and through the air; all steps together take ``given`` seconds, 0 as many as they need. A foot steps while
+    the other one stands; a foot that the motion lifts before uses that flight. One that is lifted within
+    ``LEAST_TRANSITION`` leaves at once. If the transition is ``planned``, a foot in the air takes the time and the
+    height of a step to a position aside.
     """
     flights: dict[int, FootFlight] = {}
     shifted = 0 if given else round(LEAST_TRANSITION * rate)
@@ -106,13 +109,15 @@ def flights_of(
 
 
 def step_height(displacement: float) -> float:
-    """Lift in leg lengths of a foot that steps over a ``displacement`` in leg lengths."""
+    """Lift in leg lengths of a step over ``displacement`` leg lengths."""
     return float(np.clip(STEP_HEIGHT * displacement, *STEP_HEIGHTS))
 
 
 def _free_to_step(other: States, free: int, frames: int) -> tuple[int, int]:
-    """First frame from ``free`` on from which the ``other`` foot stands for some ``frames``, and the end of that
-    contact; the last one if there is none.
+    """(first, end) frame of the first contact of the ``other`` foot, from frame ``free`` on, that leaves ``frames``
+    frames for a step.
+
+    Both are the number of frames if there is none.
     """
     for first, stop in runs_of(other != 0):
         if stop - max(first, free) >= min(frames, len(other) - max(first, free)) > 0:
@@ -121,8 +126,9 @@ def _free_to_step(other: States, free: int, frames: int) -> tuple[int, int]:
 
 
 def states_of(own: States, seen: int, flight: FootFlight, settles: int) -> States:
-    """States (F,) of a foot: its own, except during its flight, and at most the previous contact ``seen`` while it
-    settles.
+    """States (F,) of a foot during a transition: its own ones, but 0 in its flight.
+
+    During the first ``settles`` frames it has at most the previous contact ``seen``.
     """
     states = own.copy()
     held = states[: min(flight.leaves, settles, _run(own))]
@@ -133,8 +139,8 @@ def states_of(own: States, seen: int, flight: FootFlight, settles: int) -> State
 
 
 def carrying(states: States, rate: float) -> FloatArray:
-    """Weight (F,) in [0, 1] with which a leg supports the body, for states (F,): fading before lift-off and after
-    landing.
+    """Weight (F,) in [0, 1] with which a leg supports the body, from the foot's states (F,): fading before lift-off and
+    after landing.
     """
     times, fractions = np.arange(1, len(states) + 1) / rate, np.ones(len(states))
     for leaves, lands in runs_of(states == 0):
@@ -144,13 +150,13 @@ def carrying(states: States, rate: float) -> FloatArray:
 
 
 def _run(states: States) -> int:
-    """Number of frames for which a foot keeps standing."""
+    """Number of frames from the beginning for which a foot stands."""
     lifted = np.flatnonzero(states == 0)
     return int(lifted[0]) if len(lifted) else len(states)
 
 
 def _lifted(own: States, needed: float, rate: float) -> FootFlight:
-    """First own flight of the motion that lasts long enough."""
+    """First flight of the own motion that lasts long enough, as the flight of a foot that keeps its contact before."""
     stands = [*runs_of(own != 0), (len(own), 2 * len(own))]
     for (leaves, lands), (_, next_leaves) in zip(runs_of(own == 0), stands[1:], strict=False):
         if lands - leaves >= LEAST_TRANSITION * rate or lands == len(own):
@@ -161,8 +167,10 @@ def _lifted(own: States, needed: float, rate: float) -> FootFlight:
 
 
 def _landing(own: States, earliest: int, rate: float) -> int:
-    """Landing frame in its own motion, no earlier than ``earliest``, with a stance long enough; half as long for the
-    short stances of a run.
+    """Frame at which a foot lands in its own motion, no earlier than ``earliest``, at the beginning of a sufficiently
+    long stance.
+
+    Half of the stance suffices for the short stances of a run.
     """
     for first, stop in runs_of(own != 0):
         lands = max(first, earliest)

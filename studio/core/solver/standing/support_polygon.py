@@ -1,7 +1,7 @@
 """Support polygon: the outline of standing soles, hands, knees and seat, and the path of the centre of mass over it.
 
-An outline is its support function h (N,) for N horizontal directions n: the points p with n . p <= h for all of them.
-Averaging (Minkowski), shrinking and measuring outlines are then simple arithmetic.
+An outline is represented by its support function h (N,) for N horizontal directions n: the points p with n . p <= h for
+all of them. Averaging (Minkowski), shrinking and measuring outlines are then simple arithmetic.
 """
 
 from collections.abc import Sequence
@@ -17,16 +17,17 @@ from studio.core.solver.asking.chains import point_masses
 FloatArray = NDArray[np.float64]
 
 DIRECTIONS = 48
+"""Number N of horizontal directions of a support function."""
 OUTLINE_SMOOTHING = 0.3
 """Seconds on either side over which an outline is averaged, so that it changes smoothly with every step."""
 MASS_PATH_SMOOTHING = 0.15
-"""Seconds on either side over which the displacement to an outline is averaged: the mass does not bounce
-off its edge.
+"""Seconds on either side over which displacements of the mass into an outline are averaged, so that it does not bounce
+off the edge.
 """
 BALL_RADIUS, HEEL_RADIUS, TIP_RADIUS = 0.19, 0.13, 0.10
-"""Radii of a sole at ball, heel and tip, in lengths of the sole (breadth of an adult's foot 0.38 of its length)."""
+"""Radii of a sole at ball, heel and tip, in lengths of the sole (an adult's foot is 0.38 of its length wide)."""
 CONTACT_RADII = {"hand": 0.05, "knee": 0.05, "seat": 0.1}
-"""Radii of palm and fingers, knee and half a seat, in leg lengths."""
+"""Radii of a hand with its fingers, of a knee, and of half a seat, in leg lengths."""
 _ANGLES = np.arange(DIRECTIONS) * (2.0 * np.pi / DIRECTIONS)
 _NORMALS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=1)
 _SIDEWAYS = np.stack([-np.sin(_ANGLES), np.cos(_ANGLES)], axis=1)
@@ -34,12 +35,12 @@ _COSINE, _SINE = np.cos(_ANGLES[1]), np.sin(_ANGLES[1])
 
 
 def mass_path(positions: FloatArray, body: Morphology) -> FloatArray:
-    """Centre of mass (F, 3) in metres of posed bodies (F, P, 3) (de Leva 1996; METHOD 11)."""
+    """Centre of mass (F, 3) in metres of posed bodies with ``positions`` (F, P, 3) (de Leva 1996; METHOD 11)."""
     return np.asarray(point_masses(body.layout) @ positions)
 
 
 def standing_mask(contacts: Sequence[ContactInterval], frame_count: int) -> NDArray[np.bool_]:
-    """True (9, F) where each ``ContactPoint`` stands."""
+    """(9, F) True where each ``ContactPoint`` is in contact."""
     spans = [[(each.first, each.last) for each in contacts if each.point is point] for point in ContactPoint]
     return np.array([contact_mask(each, frame_count) for each in spans])
 
@@ -47,10 +48,10 @@ def standing_mask(contacts: Sequence[ContactInterval], frame_count: int) -> NDAr
 def support_polygons(
     positions: FloatArray, rotations: FloatArray, standing: NDArray[np.bool_], body: Morphology, margin: float = 0.0
 ) -> FloatArray:
-    """Support polygon (F, N) of the contacts, shrunk by ``margin`` metres; NaN without contacts.
+    """Support functions (F, N) in metres of the contacts' outline, shrunk by ``margin`` metres; NaN without contacts.
 
-    ``positions`` (F, P, 3), ``rotations`` (F, S, 3, 3), ``standing`` (9, F) as from ``standing_mask``. It shrinks to
-    the middle line of a sole at most.
+    ``positions`` (F, P, 3), ``rotations`` (F, S, 3, 3), ``standing`` (9, F) the result of ``standing_mask``. An outline
+    shrinks to the middle line of a sole at most.
     """
     found = np.full((len(positions), DIRECTIONS), -np.inf)
     for point, stands in zip(ContactPoint, standing, strict=True):
@@ -62,7 +63,7 @@ def support_polygons(
 
 
 def averaged_polygons(areas: FloatArray, frame_rate: float) -> tuple[FloatArray, FloatArray]:
-    """Support polygons (F, N) under a moving average, and the fraction (F,) of that window in contact."""
+    """Support functions (F, N) averaged over time, and the fraction (F,) of the averaging window that is in contact."""
     stands = np.isfinite(areas[:, :1]).astype(np.float64)
     weight = _around(stands, OUTLINE_SMOOTHING, frame_rate)
     mean = _around(np.nan_to_num(areas), OUTLINE_SMOOTHING, frame_rate) / np.where(weight > 0.0, weight, np.nan)
@@ -78,9 +79,10 @@ def support_path(
     margin: float,
     window: slice,
 ) -> FloatArray:
-    """Path (F, 3) of the centre of mass over the support of a grounded motion, in the frames of ``window``.
+    """Path (F, 3) of the centre of mass that stays over the support of a grounded motion, in the frames of ``window``.
 
-    It is the nearest point of the smoothed outline, smoothed at its edge; in flight it is the motion's own.
+    It is the point of the smoothed outline nearest to the motion's own centre of mass, smoothed at the edge; in flight
+    it is the motion's own.
     """
     first, stop, _ = window.indices(len(positions))
     reach = _half(OUTLINE_SMOOTHING, frame_rate) + _half(MASS_PATH_SMOOTHING, frame_rate)
@@ -96,25 +98,25 @@ def support_path(
 
 
 def _half(seconds: float, frame_rate: float) -> int:
-    """Frames on either side of an average."""
+    """Number of frames in ``seconds``, on either side of an average."""
     return max(1, round(seconds * frame_rate))
 
 
 def _around(values: FloatArray, seconds: float, frame_rate: float) -> FloatArray:
-    """Sums (F, N) of ``values`` (F, N) under a Hann window of ``seconds`` on either side."""
+    """Sums (F, N) of ``values`` (F, N), weighted by a Hann window of ``seconds`` on either side."""
     half = _half(seconds, frame_rate)
     window = np.hanning(2 * half + 3)[1:-1]
     return np.stack([np.convolve(np.pad(column, half), window, mode="valid") for column in values.T], axis=1)
 
 
 def corners(areas: FloatArray) -> FloatArray:
-    """Corners (F, N, 2) of outlines (F, N), anticlockwise."""
+    """Corners (F, N, 2) of outlines with support functions (F, N), anticlockwise, metres."""
     ahead = np.roll(areas, -1, axis=1)
     return np.asarray(areas[..., None] * _NORMALS + ((ahead - areas * _COSINE) / _SINE)[..., None] * _SIDEWAYS)
 
 
 def nearest_within(areas: FloatArray, points: FloatArray) -> FloatArray:
-    """Nearest points (F, 2) of outlines (F, N) to ``points`` (F, 2)."""
+    """Positions (F, 2) nearest to ``points`` (F, 2) within outlines with support functions (F, N)."""
     outside = _beyond(areas, points) > 0.0
     found, ends, own = points.copy(), corners(areas[outside]), points[outside][:, None]
     begins = np.roll(ends, 1, axis=1)
@@ -127,7 +129,7 @@ def nearest_within(areas: FloatArray, points: FloatArray) -> FloatArray:
 
 
 def support_margins(areas: FloatArray, points: FloatArray) -> FloatArray:
-    """Distance (F,) in metres from ``points`` (F, 2) to the edge of outlines (F, N): negative outside, NaN without
+    """Distance (F,) in metres of ``points`` (F, 2) from the edge of outlines: negative outside, NaN without
     contacts.
     """
     beyond = _beyond(areas, points)
@@ -136,14 +138,18 @@ def support_margins(areas: FloatArray, points: FloatArray) -> FloatArray:
 
 
 def _beyond(areas: FloatArray, points: FloatArray) -> FloatArray:
-    """Distance (F,) in metres beyond the furthest line; negative inside, NaN for no outline."""
+    """Greatest distance (F,) in metres of points beyond a line of their outline; negative inside, NaN for no
+    outline.
+    """
     return np.asarray(np.max(points @ _NORMALS.T - areas, axis=1))
 
 
 def _circles(
     point: ContactPoint, positions: FloatArray, rotations: FloatArray, stands: NDArray[np.bool_], body: Morphology
 ) -> list[tuple[FloatArray, float]]:
-    """Circles of a contact point where it ``stands`` (F,): centres (n, 2) and a radius."""
+    """(centres (n, 2), radius) of each circle that covers a contact point in the n frames in which it ``stands``
+    (F,).
+    """
     if point.is_foot:
         rear, ball, tip = _sole(positions, rotations, stands, body, point.side)
         return [rear] if point.is_heel else [ball, tip]
@@ -157,7 +163,9 @@ def _circles(
 def _sole(
     positions: FloatArray, rotations: FloatArray, stands: NDArray[np.bool_], body: Morphology, side: int
 ) -> list[tuple[FloatArray, float]]:
-    """Circles of a sole where it ``stands`` (F,), at heel, ball and tip."""
+    """(centres (n, 2), radius) of circles at heel, ball and tip of a sole in the n frames in which it ``stands``
+    (F,).
+    """
     layout = body.layout
     ankle, ball, tip = (positions[stands, layout.ankle_point(side) + step] for step in range(3))
     foot = rotations[stands, layout.foot_segment(side)]

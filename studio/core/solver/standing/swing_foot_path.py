@@ -1,7 +1,8 @@
 """Paths of swing feet over uneven ground: detours above and around obstacles (METHOD 5).
 
 A foot may be raised, held back or moved ahead along its flight, and pitched. For each flight with an obstacle the least
-detour is searched; the path of least second differences follows it, as closely as its acceleration allows.
+detour is searched; the smoothest path, that of least second differences, follows it as closely as its acceleration
+allows.
 """
 
 from dataclasses import dataclass
@@ -19,47 +20,55 @@ from studio.core.solver.standing.footprints import GROUND_EDGE
 FloatArray = NDArray[np.float64]
 
 SOLE_TOLERANCE, PENETRATION_TOLERANCE = 0.005, 0.001
-"""Tolerances in metres between a sole and the ground: penetration of a riser or overlap of an edge, and height below
-which a foot comes no nearer than on the level floor; and penetration that is ignored.
+"""Tolerances in metres between a sole and the ground: first for penetration of a riser or overlap of an edge, and the
+height below which a foot comes no nearer than on the level floor; second, penetration that is ignored.
 """
 DETOURS = np.array(
     [[0.01 * ahead, 0.0, np.radians(15.0) * pitch] for ahead in range(-15, 16) for pitch in range(-3, 4)]
 )
-"""Detours: metres ahead along the flight, metres up (computed for each), radians of pitch."""
+"""(W, 3) detours: metres ahead along the flight, metres up (0, computed for each frame), radians of pitch."""
 DETOUR_COSTS = np.array([1.0, 1.0, 0.08])
-"""Cost of a detour in metres for a metre, or a radian."""
+"""Cost of a detour in metres: per metre ahead, per metre up, per radian of pitch."""
 DETOUR_SECONDS = 0.3
-"""Seconds in which entering a detour costs as much as keeping it."""
+"""Seconds of keeping a detour that cost as much as entering it."""
 NEAR_CONTACT = 0.12
 """Seconds from a contact within which detours cost more."""
 PATH_STIFFNESS = 0.01
-"""Seconds within which a path bends; longer where its acceleration would be too great."""
+"""Seconds over which a path is bent; more where its acceleration would be too great."""
 SOFTENING_FACTOR, SOFTENING_ROUNDS, SOFTENING_MARGIN = 1.5, 8, 0.1
-"""Factor of each softening, their number, and their margin in seconds."""
+"""Factor of each softening of a path, greatest number of softenings, and seconds around a sharp bend that are
+softened.
+"""
 MOST_ACCELERATION, GENTLE_ACCELERATION = 0.6, 30.0
-"""Acceleration that a detour may add, relative to the foot's own, and in metres a second squared."""
+"""Greatest acceleration that a detour may add, as a fraction of the foot's own, and the one that it may have anyway, in
+m/s2.
+"""
 RAISING_ROUNDS = 8
-"""Iterations of raising a path that still penetrates."""
+"""Greatest number of iterations of raising a path that still penetrates the ground."""
 SHORTEST_FLIGHT = 0.05
-"""Length in metres of a flight without direction."""
+"""Length in metres of a flight below which it has no direction."""
 _SCARCE, _FIRM = 1e-9, 1e9
-"""Weights: small enough to keep the equations solvable, and great enough to fix a standing foot."""
+"""Weights of a path's fit: a small one that keeps the equations solvable, and a great one that fixes a standing
+foot.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Sole:
-    """A foot over the ground: ``ankles`` (F, 3), world rotations ``feet`` and ``toes`` (F, 3, 3), and low ``points``
-    (F, P, 3), heel to tip.
-    """
+    """Path of a foot over the ground, with points of its sole."""
 
     ankles: FloatArray
+    """(F, 3) metres."""
     feet: FloatArray
+    """(F, 3, 3) in the world."""
     toes: FloatArray
+    """(F, 3, 3) in the world."""
     points: FloatArray
+    """(F, P, 3) points of the sole from heel to tip, metres."""
 
     @classmethod
     def of(cls, ankles: FloatArray, feet: FloatArray, toes: FloatArray, measures: FloatArray) -> "Sole":
-        """Sole with ``measures`` (F or 1, 6) as in ``morphology.sole_rows``."""
+        """Foot path with the points of a sole of ``measures`` (F or 1, 6) (``kernels.support.sole``)."""
         forward, left, down, height, heel, length = np.broadcast_to(measures, (len(ankles), 6)).T
         zero, fractions = np.zeros(len(ankles)), np.linspace(0.0, 1.0, 4)[:, None]
 
@@ -77,14 +86,19 @@ class Sole:
 
 
 def worn_height(ground: Ground, places: FloatArray) -> FloatArray:
-    """Ground height (...) at ``places`` (..., 2 or 3) with every edge rounded within ``SOLE_TOLERANCE`` metres."""
+    """Ground height (...) in metres at ``places`` (..., 2 or 3), with every edge rounded within ``SOLE_TOLERANCE``
+    metres.
+    """
     angles = np.pi / 4.0 * np.arange(8)
     ring = np.concatenate([np.zeros((1, 2)), SOLE_TOLERANCE * np.column_stack([np.cos(angles), np.sin(angles)])])
     return np.asarray(ground.height_at(places[..., None, :2] + ring).min(axis=-1))
 
 
 def clear_swing_foot(level: Sole, sole: Sole, states: NDArray[np.int64], ground: Ground, frame_rate: float) -> Sole:
-    """A foot planned ``level``, projected to the ground, with detours around obstacles while ``states`` are 0."""
+    """Path of the foot ``sole``, projected to the ground, with detours around obstacles while ``states`` (F,) are 0.
+
+    ``level`` is the foot as planned on the level floor.
+    """
     flight = _Flight.of(level, sole, states, ground)
     flying = np.flatnonzero(states == 0)
     lacks = np.zeros(len(states))
@@ -106,21 +120,23 @@ def clear_swing_foot(level: Sole, sole: Sole, states: NDArray[np.int64], ground:
 
 @dataclass(frozen=True, eq=False)
 class _Flight:
-    """Geometry of a foot along paths (..., 3: ahead, up, pitch): ``ahead`` and ``heading`` (F, 2) level unit vectors,
-    ``arms`` (F, P, 2) from the ankle along the heading and up, ``least`` (F, P) required heights above ground in
-    metres.
-    """
+    """Geometry of a foot that is displaced along paths (..., 3): ahead, up, pitch."""
 
     sole: Sole
     ground: Ground
     states: NDArray[np.int64]
     ahead: FloatArray
+    """(F, 2) horizontal unit direction of the flight."""
     heading: FloatArray
+    """(F, 2) horizontal unit direction of the foot."""
     arms: FloatArray
+    """(F, P, 2) from the ankle to the sole's points: along the heading, and up, metres."""
     least: FloatArray
+    """(F, P) required height of each point above the ground, metres."""
 
     @classmethod
     def of(cls, level: Sole, sole: Sole, states: NDArray[np.int64], ground: Ground) -> "_Flight":
+        """Geometry of the foot ``sole``; ``level`` is the foot as planned on the level floor."""
         ahead, heading = np.zeros((len(states), 2)), sole.feet[:, :2, 0]
         for first, past in runs_of(states == 0):
             displacement = sole.ankles[min(past, len(states) - 1), :2] - sole.ankles[max(first - 1, 0), :2]
@@ -134,7 +150,7 @@ class _Flight:
         )
 
     def penetration(self, frames: NDArray[np.int64], path: FloatArray) -> FloatArray:
-        """Penetration (N, ...) in metres of soles at ``frames`` (N,) displaced by ``path`` (N or 1, ..., 3)."""
+        """Penetration (N, ...) in metres of soles in ``frames`` (N,), displaced by ``path`` (N or 1, ..., 3)."""
         more = (frames, *[None] * (path.ndim - 2))
         c, s = np.cos(path[..., 2])[..., None] - 1.0, np.sin(path[..., 2])[..., None]
         along, up = self.arms[more][..., 0], self.arms[more][..., 1]
@@ -145,7 +161,7 @@ class _Flight:
         return np.asarray((heights + self.least[more] - low).max(axis=-1))
 
     def moved(self, path: FloatArray) -> Sole:
-        """The foot displaced along ``path`` (F, 3)."""
+        """Foot displaced along ``path`` (F, 3)."""
         axes = np.column_stack([-self.heading[:, 1], self.heading[:, 0], np.zeros(len(path))])
         rotation_matrices = Rotation.from_rotvec(path[:, 2:] * axes).as_matrix()
         ankles = self.sole.ankles + np.column_stack([path[:, :1] * self.ahead, path[:, 1]])
@@ -153,7 +169,9 @@ class _Flight:
 
 
 def steps_to_ground(first: int, past: int, count: int) -> NDArray[np.int64]:
-    """Distance (past - first,) in frames from each frame of a flight to the nearest contact; clip ends are none."""
+    """Distance (past - first,) in frames from each frame of a flight to the nearest contact; the ends of a clip are
+    none.
+    """
     steps = np.arange(1, past - first + 1)
     far = np.full(past - first, past - first)
     return np.minimum(steps if first > 0 else far, steps[::-1] if past < count else far)
@@ -162,10 +180,11 @@ def steps_to_ground(first: int, past: int, count: int) -> NDArray[np.int64]:
 def _least_detour(
     lifts: FloatArray, near: FloatArray, frame_rate: float, from_ground: bool, to_ground: bool
 ) -> FloatArray:
-    """Least detour (N, 3) through one flight, with the ``lifts`` (N, W) of each of ``DETOURS``, ``near`` (N,) seconds
-    from the ground.
+    """Least detour (N, 3) through one flight of N frames.
 
-    It minimises the sum of squared detours and squared speeds, by dynamic programming (Bellman 1957).
+    It minimises the sum of squared detours and squared speeds, by dynamic programming (Bellman 1957). ``lifts`` (N, W)
+    are the metres by which each of ``DETOURS`` has to be raised in each frame, ``near`` (N,) the seconds to the nearest
+    contact.
     """
     count, flat = len(lifts), DETOURS * DETOUR_COSTS
     lengths = np.sum(flat**2, axis=1) + lifts**2
@@ -191,7 +210,7 @@ def _least_detour(
 def _smooth_path(
     displacements: FloatArray, spans: list[tuple[int, int]], flight: _Flight, frame_rate: float
 ) -> FloatArray:
-    """Smooth path (F, 3) along the detours through the ``spans`` of frames, softer where its acceleration is too great.
+    """Smooth path (F, 3) near the detours in the ``spans`` of frames, softer where its acceleration is too great.
 
     The horizontal part may be softer than the vertical one, which clears the remaining penetration afterwards.
     """
@@ -214,7 +233,9 @@ def _smooth_path(
 def _bent_path(
     displacements: FloatArray, spans: list[tuple[int, int]], flight: _Flight, weights: FloatArray
 ) -> FloatArray:
-    """Path (F, 3) of least second differences through the detours, by ``weights`` (F, 2), raised until it is clear."""
+    """Path (F, 3) of least second differences near the detours, by ``weights`` (F, 2), raised until it is clear of the
+    ground.
+    """
     still = np.where(flight.states == 0, 0.0, _FIRM)
     held = still.copy()
     for first, past in spans:
@@ -236,7 +257,9 @@ def _bent_path(
 
 
 def _bent_least(target: FloatArray, weights: FloatArray) -> FloatArray:
-    """Paths (F, N) of least second differences near to ``target`` (F, N), by ``weights`` (F,)."""
+    """Paths (F, N) that minimise squared second differences, and squared distances from ``target`` (F, N) by
+    ``weights`` (F,).
+    """
     count = len(weights)
     bands = np.zeros((3, count))
     bands[2] = weights + _SCARCE

@@ -1,6 +1,6 @@
 """Feet moved out of the ground by the least amount: tipped about their free end (METHOD 5).
 
-Contacts stay: a foot whose heel penetrates tips about its ball, and the other way round.
+Contacts stay: a foot whose heel penetrates is tipped about its ball, and the other way round.
 """
 
 import numpy as np
@@ -16,9 +16,9 @@ FloatArray = NDArray[np.float64]
 
 
 def heights_of(foot: FootPath, measures: FloatArray, ground: Ground) -> FloatArray:
-    """Height (2, F) in metres above the ground of the heel, and of the lower of ball and tip.
+    """Heights (2, F) in metres above the ground of a foot's heel, and of the lower one of ball and tip.
 
-    ``measures`` (F or 1, 6) as in ``morphology.sole_rows``.
+    ``measures`` (F or 1, 6) of the foot (``kernels.support.sole``).
     """
     arms = sole_arms(measures)
     ball = foot.ankles + _turned(foot.feet, arms.joint)
@@ -35,12 +35,12 @@ def heights_of(foot: FootPath, measures: FloatArray, ground: Ground) -> FloatArr
 
 
 def depths_of(foot: FootPath, measures: FloatArray, ground: Ground) -> FloatArray:
-    """Penetration (2, F) in metres of the heel, and of the ball or the tip."""
+    """Penetrations (2, F) in metres of a foot's heel, and of its ball or tip."""
     return np.maximum(-heights_of(foot, measures, ground), 0.0)
 
 
 def out_of_ground(foot: FootPath, measures: FloatArray, depths: FloatArray) -> FootPath:
-    """``foot`` raised by ``depths`` (2, F) at its heel and its ball, with the same toe rotations."""
+    """``foot`` raised by ``depths`` (2, F) metres at its heel and its ball; toes keep their world rotations."""
     if not depths.any():
         return foot
     heel, joint, _, _ = sole_arms(measures)
@@ -58,7 +58,7 @@ def tipped_about_ankle(foot: FootPath, measures: FloatArray, heights: FloatArray
     """Rotations (F, 3, 3) of a foot about its ankle that raise the lower one of heel and ball by ``rises`` (2, F)
     metres.
 
-    ``heights`` (2, F) are those of heel and ball before. A foot is not tipped beyond level.
+    ``heights`` (2, F) are those of heel and ball before. A foot is tipped at most until it is level.
     """
     heel, joint, _, _ = sole_arms(measures)
     pitch, extent = heights[0] - heights[1], joint[:, 0] - heel[:, 0]
@@ -68,7 +68,7 @@ def tipped_about_ankle(foot: FootPath, measures: FloatArray, heights: FloatArray
 
 
 def seen_coming(depths: FloatArray, stands: NDArray[np.bool_], frame_rate: float) -> FloatArray:
-    """Smooth upper envelope of ``depths`` (N, F) that begins before the penetration.
+    """Smooth upper envelope (N, F) of penetrations ``depths`` (N, F) in metres, which begins before each penetration.
 
     It is zero where the foot ``stands`` (F,), and in the first frame.
     """
@@ -80,11 +80,12 @@ def seen_coming(depths: FloatArray, stands: NDArray[np.bool_], frame_rate: float
 
 
 def _turned(rotation_matrices: FloatArray, arms: FloatArray) -> FloatArray:
+    """Vectors ``arms`` (F, 3) rotated by ``rotation_matrices`` (F, 3, 3)."""
     return np.asarray((rotation_matrices @ arms[..., None])[..., 0])
 
 
 def tipped(arms: FloatArray, rises: FloatArray) -> FloatArray:
-    """Rotations (F, 3, 3) about level axes that raise the ends of ``arms`` (F, 3) by ``rises`` metres, as far as
+    """Rotations (F, 3, 3) about level axes that raise the ends of ``arms`` (F, 3) by ``rises`` (F,) metres, as far as
     possible.
     """
     lengths = np.maximum(np.linalg.norm(arms, axis=1), 1e-9)
