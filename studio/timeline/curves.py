@@ -244,7 +244,7 @@ class CurveQuery:
 
     def _beyond_support(self, adapted: AdaptedMotion) -> FloatArray:
         """(F,) distance in millimetres of the centre of mass from the support polygon; 0 inside, and in flight."""
-        from studio.core.solver.standing.support_polygon import (  # as above
+        from studio.core.solver.grounding.support_polygon import (  # as above
             mass_path,
             standing_mask,
             support_margins,

@@ -139,7 +139,7 @@ class NewConstraintContext:
 
     def freedom(self, part: BodyPart) -> FloatArray:
         """(F,) part by which contacts have released the limb of a segment in the rows ``around``."""
-        from studio.core.solver.standing.body_support import limb_freedom  # not before it is needed: it loads SciPy
+        from studio.core.solver.grounding.body_support import limb_freedom  # not before it is needed: it loads SciPy
 
         motion, rows, _ = self.frames_around
         frames = slice(rows.start + motion.first_frame, rows.stop + motion.first_frame)

@@ -5,9 +5,9 @@ import numpy as np
 from studio.core.kernels.compiling import kernel
 
 NEW_LINE = 10
-POWERS = np.array([float(10**power) for power in range(23)])
+POWERS_OF_TEN = np.array([float(10**power) for power in range(23)])
 """Powers of ten from 0 to 22, all exact."""
-EXACT = 1 << 53
+MAX_EXACT_INTEGER = 1 << 53
 """Integer up to which all integers are exact as floats. So are powers of ten up to 22: the quotient or product of both
 is rounded once.
 """
@@ -65,7 +65,7 @@ def read_decimal(text, index):
         byte = text[index]
         if byte == 46 and not fraction:
             fraction = True
-        elif 48 <= byte <= 57 and whole < EXACT // 10:
+        elif 48 <= byte <= 57 and whole < MAX_EXACT_INTEGER // 10:
             whole = 10 * whole + int(byte) - 48
             digits += 1
             after += fraction
@@ -78,7 +78,7 @@ def read_decimal(text, index):
         exponent += tenfold
     if digits == 0 or (0 <= index < text.shape[0] and not is_space(text[index])) or abs(exponent) > 22:
         return 0.0, -1
-    value = whole / POWERS[-exponent] if exponent < 0 else whole * POWERS[exponent]
+    value = whole / POWERS_OF_TEN[-exponent] if exponent < 0 else whole * POWERS_OF_TEN[exponent]
     return (-value if negative else value), index
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from studio.core.kernels.algebra.vectors import zero_points
 from studio.core.kernels.body.parts import copy_pose, translate_points
 from studio.core.kernels.compiling import allocating_kernel, kernel, pack, small_kernel
-from studio.core.kernels.limbs.legs import is_placed, place_leg
+from studio.core.kernels.limbs.legs import is_leg_placed, place_leg
 from studio.core.kernels.limits.clearance_tiers import back_track_tier, make_kept_tier, next_tier, save_tier
 from studio.core.kernels.limits.self_collision import clear_after_tasks, clear_before_tasks, make_clearance_scratch
 from studio.core.kernels.records import (
@@ -52,7 +52,7 @@ def place_frames(measures, drops, legs, positions, rotations):
         row = measures[frame if measures.shape[0] > 1 else 0]
         pose, now = pack(Pose(positions[frame], rotations[frame])), pack(legs_at(frame, legs))
         for side in range(2):
-            if not is_placed(side, row, now, pose):
+            if not is_leg_placed(side, row, now, pose):
                 place_leg(side, row, now, pose)
 
 

@@ -13,7 +13,7 @@ SHORTEST_BONE = 1e-3
 """Metres given to a bone that a capture draws without length, so that it keeps a direction."""
 USUAL_ANKLE = 0.045
 """Ankle joint above the sole, as a part of stature's half below the hip, where no contact tells it."""
-HEEL_LENGTH = 0.3
+HEEL_LENGTH_FRACTION = 0.3
 """The heel behind the ankle, as a part of the foot from ankle to ball."""
 
 
@@ -63,7 +63,7 @@ def measure_actor(
         toe=toes,
         ankle_height=ankle,
         toe_height=toe_height,
-        heel_length=HEEL_LENGTH * np.linalg.norm(feet[:, :2], axis=1),
+        heel_length=HEEL_LENGTH_FRACTION * np.linalg.norm(feet[:, :2], axis=1),
         neck_rest=_rest_direction(marks, alignments, layout.neck_base),
         clavicle_rest=np.array([_at_ease(rotations[moving], thorax, layout.clavicle_segment(s)) for s in (0, 1)]),
     )

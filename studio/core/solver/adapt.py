@@ -12,15 +12,15 @@ from studio.core.body.morphology import AnimatedMorphology
 from studio.core.compact_array import PoseArray, part_of
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.runs import runs_in
+from studio.core.solver.asking.contact_release import constraint_activations
 from studio.core.solver.asking.lifted_ends import constrained_ends, lift_ends
 from studio.core.solver.asking.measured_residuals import with_residuals_remeasured
 from studio.core.solver.asking.points import point_indices
-from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.asking.tracks import Tracks
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, grounded_motion_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.smoothing.level_smoothing import SMOOTHING_HORIZON
+from studio.core.solver.smoothing.level_smoothing import SMOOTHING_HORIZON_SECONDS
 from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow, SolverLimits
-from studio.core.solver.standing.stand import GroundedMotion, grounded_motion_of
 
 FloatArray = NDArray[np.float64]
 
@@ -92,7 +92,7 @@ def solve_constraints(
     asked = [constraint for constraint, active in zip(constraints, acting, strict=True) if active]
     window_of = partial(SolvedWindow, standing, asked, activations[acting], tracks, bound)
     free_ends = 1.0 - constrained_ends(constraints, activations)
-    for run in runs_in(window, acts, math.ceil(2.0 * SMOOTHING_HORIZON * standing.motion.frame_rate)):
+    for run in runs_in(window, acts, math.ceil(2.0 * SMOOTHING_HORIZON_SECONDS * standing.motion.frame_rate)):
         touched = self_contact.affecting_frames(run) if self_contact else run
         solved = _solved(window_of, standing, touched, eased)
         posed = solved.solution(touched)
@@ -109,12 +109,12 @@ def _solved(
     window_of: Callable[[slice], SolvedWindow], standing: GroundedMotion, touched: slice, eased: bool
 ) -> SolvedWindow:
     """Solved window that contains the frames ``touched`` and all frames that affect their smoothing."""
-    seen = standing.around(touched, SMOOTHING_HORIZON if eased else 0.0)
+    seen = standing.around(touched, SMOOTHING_HORIZON_SECONDS if eased else 0.0)
     solved = window_of(seen)
     solved.solve()
     if eased and solved.may_exceed_peaks and solved.has_smoothed_frames(touched):
         while not is_frame_subset(
-            wide := standing.around(solved.with_smoothing_runs(touched), SMOOTHING_HORIZON), seen
+            wide := standing.around(solved.with_smoothing_runs(touched), SMOOTHING_HORIZON_SECONDS), seen
         ):
             seen = standing.around(wide, 0.5 * (wide.stop - wide.start) / standing.motion.frame_rate)
             solved = window_of(seen)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.body.morphology import AnimatedMorphology, at_frames
 from studio.core.curves.activation import FULLY_ACTIVE
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.kernels.limbs.legs import required_root_lowering
 from studio.core.kernels.solve_clip import place_frames
 from studio.core.normalized.encode import encode_motion
@@ -24,15 +24,15 @@ from studio.core.project_cache import project_cache
 from studio.core.rotations import from_matrix, from_rotation_vector, inverse, multiply, to_matrix, to_rotation_vector
 from studio.core.runs import runs_of
 from studio.core.solver.asking.measured_residuals import full_residuals
+from studio.core.solver.grounding.contact_blending import RELEASE_SECONDS, release_weight, smooth_drops
+from studio.core.solver.grounding.footing import Footing
+from studio.core.solver.grounding.grounded_motion import GroundedMotion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.solved_window import targets_of
-from studio.core.solver.standing.blends import LET_GO, release_weight, smooth_drops
-from studio.core.solver.standing.footing import Footing
-from studio.core.solver.standing.stand import GroundedMotion
 from studio.core.stage.correction import Correction
 
 FloatArray = NDArray[np.float64]
-Turns = Mapping[int, FloatArray]
+SegmentRotations = Mapping[int, FloatArray]
 """Rotations (N, 3, 3) of segments, in the segments' own axes, by segment index."""
 
 
@@ -45,7 +45,7 @@ class PosedFrames(NamedTuple):
     """(N, S, 3, 3) in the world."""
 
 
-LIMB_CHANNELS = slice(at.CLAVICLE, at.HEAD_SHIFT)
+LIMB_CHANNELS = slice(channel.CLAVICLE, channel.HEAD_SHIFT)
 """Channels of arms and legs, from which limbs are placed on their ends."""
 
 
@@ -110,7 +110,7 @@ def with_corrections_above(adapted: AdaptedMotion, standing: GroundedMotion, req
     return replace(moved, residuals=np.where(measurable, measured, adapted.residuals))
 
 
-def segment_turns(layout: BodyLayout, turns: Mapping[BodyPart, FloatArray]) -> Turns:
+def segment_turns(layout: BodyLayout, turns: Mapping[BodyPart, FloatArray]) -> SegmentRotations:
     """Rotations (N, 3, 3) of segments from rotation vectors (N, 3) of body parts.
 
     The abdomen's rotation is divided evenly among the inner vertebrae.
@@ -126,7 +126,7 @@ def segment_turns(layout: BodyLayout, turns: Mapping[BodyPart, FloatArray]) -> T
 
 
 def with_segments_turned(
-    layout: BodyLayout, posed: PosedFrames, turns: Turns, shift: FloatArray | None = None
+    layout: BodyLayout, posed: PosedFrames, turns: SegmentRotations, shift: FloatArray | None = None
 ) -> PosedFrames:
     """Copy of frames with segments rotated in their own axes by ``turns``, and the root moved by ``shift`` (N, 3)
     metres.
@@ -163,7 +163,7 @@ def _posed(
 ) -> PosedFrames:
     """Poses of the frames of ``window`` with ``corrections`` applied to ``posed``, one after the other."""
     layout, times = standing.morphology.layout, standing.motion.times[window]
-    heading = standing.motion.channels[window, at.YAW]
+    heading = standing.motion.channels[window, channel.YAW]
     for each in corrections:
         fractions = each.fractions(times)[:, None]
         vectors = {
@@ -208,7 +208,7 @@ def _release_feet(
     layout = standing.morphology.layout
     for side, foot in enumerate((BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT)):
         planted = standing.limb_freedoms[2 + side] == 0.0
-        free = release_weight(planted, standing.motion.frame_rate, LET_GO)[window, None]
+        free = release_weight(planted, standing.motion.frame_rate, RELEASE_SECONDS)[window, None]
         ankle, segment = layout.ankle_point(side), layout.segment_of_part(foot)
         footing.ankles[side, window, :3] += free * (posed.positions[:, ankle] - before.positions[:, ankle])
         for targets, moved in ((footing.feet, segment), (footing.toes, segment + 1)):

@@ -15,7 +15,7 @@ from studio.core.rotations import from_matrix, from_rotation_vector, shortest_ar
 from studio.core.solver.correction_layer import PosedFrames, segment_turns, with_segments_turned
 
 FloatArray = NDArray[np.float64]
-Turns = dict[BodyPart, FloatArray]
+PartRotations = dict[BodyPart, FloatArray]
 """Rotation vectors (3,) of body parts, in the parts' own axes, radians."""
 
 NEARLY_STRAIGHT = 0.999
@@ -28,7 +28,7 @@ HEAD_GAINS = (0.4, 0.3, 0.6)
 
 def limb_turns(
     layout: BodyLayout, positions: FloatArray, rotations: FloatArray, upper: BodyPart, target: FloatArray
-) -> Turns:
+) -> PartRotations:
     """Rotations of body parts that bring the end of a limb to ``target`` (3,), or as near as the limb reaches.
 
     ``upper`` is the limb's upper segment; ``positions`` (P, 3) and ``rotations`` (S, 3, 3) are one frame.
@@ -53,7 +53,7 @@ def limb_turns(
     }
 
 
-def head_turns(layout: BodyLayout, positions: FloatArray, rotations: FloatArray, target: FloatArray) -> Turns:
+def head_turns(layout: BodyLayout, positions: FloatArray, rotations: FloatArray, target: FloatArray) -> PartRotations:
     """Rotations of trunk and neck that bring the head's joint towards ``target`` (3,)."""
     found = {part: np.zeros(3) for part in HEAD_CHAIN}
     for _ in range(HEAD_ROUNDS):
@@ -67,7 +67,7 @@ def head_turns(layout: BodyLayout, positions: FloatArray, rotations: FloatArray,
     return found
 
 
-def composed_rotations(turn: Mapping[BodyPart, FloatArray], before: Mapping[BodyPart, FloatArray]) -> Turns:
+def composed_rotations(turn: Mapping[BodyPart, FloatArray], before: Mapping[BodyPart, FloatArray]) -> PartRotations:
     """Rotation vectors of the rotations ``before`` followed, in the parts' own axes, by those of ``turn``."""
     return {part: to_rotation_vector(_product(before[part], step)) for part, step in turn.items()}
 
@@ -78,7 +78,7 @@ def _product(first: FloatArray, second: FloatArray) -> FloatArray:
 
 
 def _with(
-    layout: BodyLayout, positions: FloatArray, rotations: FloatArray, turns: Turns
+    layout: BodyLayout, positions: FloatArray, rotations: FloatArray, turns: PartRotations
 ) -> tuple[FloatArray, FloatArray]:
     batch = {part: vector[None] for part, vector in turns.items()}
     frame = PosedFrames(positions[None], rotations[None])

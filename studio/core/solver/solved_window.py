@@ -22,17 +22,19 @@ from studio.core.runs import runs_of
 from studio.core.solver.asking.chains import joints_of_chains, point_masses, relevant_chain, segment_masses
 from studio.core.solver.asking.clearance import activations_by_tier, lowest_first, pack_clearance
 from studio.core.solver.asking.contact_constraints import contact_constraints, release_hands, write_contact_targets
+from studio.core.solver.asking.contact_release import contact_release, is_ramped, ramped_target
 from studio.core.solver.asking.ground_limit import ground_planes, target_above_ground
 from studio.core.solver.asking.kinds.known import ENTERING_KINDS
 from studio.core.solver.asking.limb_availability import arm_limit_fractions, leg_limit_fractions, limb_availability
 from studio.core.solver.asking.packing import pack_tasks, priority_order
-from studio.core.solver.asking.releasing import contact_release, is_ramped, ramped_target
 from studio.core.solver.asking.self_contact import arm_activations
 from studio.core.solver.asking.shared_goals import share_goals
 from studio.core.solver.asking.tracks import OwnPath, Targets, Track, Tracks, raised_along_arms
+from studio.core.solver.grounding.grounded_motion import GroundedMotion
+from studio.core.solver.grounding.support_polygon import mass_path, standing_mask, support_path
 from studio.core.solver.performers.followed_tracks import own_track
 from studio.core.solver.smoothing.level_smoothing import (
-    SMOOTHING_WIDTHS,
+    SMOOTHING_WIDTH_SECONDS,
     LevelNumbers,
     LevelSmoother,
     SolvedArrays,
@@ -40,10 +42,8 @@ from studio.core.solver.smoothing.level_smoothing import (
     SolveNotes,
 )
 from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
-from studio.core.solver.smoothing.root_reach import RootReach
+from studio.core.solver.smoothing.smoothed_root_reach import RootReach
 from studio.core.solver.smoothing.target_motion import target_accelerations
-from studio.core.solver.standing.stand import GroundedMotion
-from studio.core.solver.standing.support_polygon import mass_path, standing_mask, support_path
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -238,7 +238,7 @@ class SolvedWindow:
     def smooth_runs(self, window: slice) -> None:
         """Smooth acceleration peaks in ``window``, each run of smoothed frames by itself."""
         margin, first = self._smoothing_weights[-1], self.window.start
-        beyond = round(max(SMOOTHING_WIDTHS) * self.standing.motion.frame_rate)
+        beyond = round(max(SMOOTHING_WIDTH_SECONDS) * self.standing.motion.frame_rate)
         for begin, end in self._runs(window):
             wide = slice(max(begin - beyond, 0), min(end + beyond, len(margin)))
             frames = slice(first + wide.start, first + wide.stop)

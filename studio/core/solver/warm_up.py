@@ -14,26 +14,26 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.grounds.surface_mesh import SurfaceMesh
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.kernels.records import SEARCH_JOINT
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.adapt import adapt, solve_constraints
 from studio.core.solver.asking.area_rows import nearest_allowed_position
-from studio.core.solver.asking.releasing import constraint_activations
+from studio.core.solver.asking.contact_release import constraint_activations
+from studio.core.solver.grounding.contact_blending import smooth_drops
+from studio.core.solver.grounding.footing import Footing
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, grounded_motion_of
+from studio.core.solver.grounding.pelvis_tilt import tilt_pelvis_to_feet
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.level_smoothing import SolveNotes
 from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
 from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow
-from studio.core.solver.standing.blends import smooth_drops
-from studio.core.solver.standing.footing import Footing
-from studio.core.solver.standing.obliquity import dip_pelvis
-from studio.core.solver.standing.stand import GroundedMotion, grounded_motion_of
 
 WARM_UP_FRAMES = 4
 WARM_UP_POINT = BodyPoint(BodyPart.LEFT_HAND)
 WARM_UP_ACTIVATION = ActivationCurve(0.0, 0.0, 1.0, 1.0)
-TRIANGLE = TriangleMesh(np.array(((0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1))), np.array([[0, 1, 2]]))
+WARM_UP_MESH = TriangleMesh(np.array(((0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1))), np.array([[0, 1, 2]]))
 """Mesh of one triangle for trial calls, positions in metres."""
 
 
@@ -87,10 +87,12 @@ def warm_up_support(morphology: Morphology) -> GroundedMotion:
     points = ContactPoint.LEFT_TOE, ContactPoint.LEFT_HAND, ContactPoint.LEFT_KNEE, ContactPoint.SEAT
     touches = Touch.HANDS_TOGETHER, Touch.LEFT_HAND_ON_TRUNK
     contacts = tuple(ContactInterval("warm-up", point, 1, 2) for point in (*points, *touches))
-    ground = SurfaceMesh(vertices=TRIANGLE.vertices, triangles=TRIANGLE.triangles)
+    ground = SurfaceMesh(vertices=WARM_UP_MESH.vertices, triangles=WARM_UP_MESH.triangles)
     smooth_drops(np.full(WARM_UP_FRAMES, 0.1), 30.0)
     pose = (np.stack([each] * WARM_UP_FRAMES) for each in rest_pose(morphology))
-    dip_pelvis(np.zeros((2, WARM_UP_FRAMES, 3)), np.ones((2, WARM_UP_FRAMES), np.int64), morphology, 30.0, *pose)
+    tilt_pelvis_to_feet(
+        np.zeros((2, WARM_UP_FRAMES, 3)), np.ones((2, WARM_UP_FRAMES), np.int64), morphology, 30.0, *pose
+    )
     return grounded_motion_of(
         AdaptRequest(_still_motion(), morphology, contacts, (), ground, actor=morphology, clears=True)
     )
@@ -99,7 +101,7 @@ def warm_up_support(morphology: Morphology) -> GroundedMotion:
 def warm_up_seldom(morphology: Morphology) -> None:
     """Pack rare kinds of constraint, self-collision and mesh areas, to compile their kernels."""
     what = "warm-up", "", WARM_UP_POINT, Chain(), 0, WARM_UP_ACTIVATION
-    asked = ClearConstraint(*what), AreaConstraint(*what, shape=AreaShape.MESH, mesh=TRIANGLE)
+    asked = ClearConstraint(*what), AreaConstraint(*what, shape=AreaShape.MESH, mesh=WARM_UP_MESH)
     standing = warm_up_support(morphology)
     SolvedWindow(standing, asked, constraint_activations(asked, standing), {}, ALL_LIMITS, slice(0, WARM_UP_FRAMES))
     nearest_allowed_position(asked[1], np.zeros(3))  # the window draws it
@@ -107,13 +109,13 @@ def warm_up_seldom(morphology: Morphology) -> None:
 
 def _still_motion() -> NormalizedMotion:
     """Normalised motion of four still frames."""
-    channels = np.zeros((WARM_UP_FRAMES, at.SPINE + 4))
-    channels[:, at.HIPS + 2] = 0.9
-    for column in at.QUATERNION_COLUMNS:
+    channels = np.zeros((WARM_UP_FRAMES, channel.SPINE + 4))
+    channels[:, channel.HIPS + 2] = 0.9
+    for column in channel.QUATERNION_COLUMNS:
         channels[:, column + 3] = 1.0
-    channels[:, at.SPINE + 3] = 1.0
-    channels[:, at.LIMB_SLACK : at.LIMB_SLACK + 4] = 0.05
-    channels[:, at.LIMB_BEND : at.LIMB_BEND + 4] = 1.0
+    channels[:, channel.SPINE + 3] = 1.0
+    channels[:, channel.LIMB_SLACK : channel.LIMB_SLACK + 4] = 0.05
+    channels[:, channel.LIMB_BEND : channel.LIMB_BEND + 4] = 1.0
     return NormalizedMotion("warm-up", 30.0, channels, np.array([0.0, 1.0]))
 
 

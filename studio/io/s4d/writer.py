@@ -16,7 +16,7 @@ from studio import __version__
 from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import from_matrix
@@ -31,7 +31,7 @@ RECORD, CHANNELS, ROTATIONS, TRANSLATIONS = "s4d.json", "channels.npy", "rotatio
 
 NUMBER_STEP = 2.0**-17
 """Quantum of stored numbers: 8 micrometres, or 0.0004 degrees, so that a ZIP packs float32 well."""
-_UNROUNDED = slice(at.LIMB_SLACK, at.LIMB_OFF_PLANE + 4)
+_UNROUNDED = slice(channel.LIMB_SLACK, channel.LIMB_OFF_PLANE + 4)
 """Channels whose square root places elbow and knee of a straight limb: kept as float32 has them."""
 _STILL = 1e-9
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.kernels.algebra import rotation_tuples
 from studio.core.kernels.algebra.rotation_matrices import matrix_product, matrix_product_transposed
 from studio.core.kernels.body_indices import (
@@ -74,7 +74,7 @@ def encode_frames(points, rotations, yaw, actor, out_channels):
     scratch = EncodeScratch(np.empty((2, 3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)))
     for frame in range(out_channels.shape[0]):
         pose, channels = Pose(points[frame], rotations[frame]), out_channels[frame]
-        channels[at.YAW] = yaw[frame]
+        channels[channel.YAW] = yaw[frame]
         encode_trunk(pose, actor, scratch, channels)
         for limb in range(4):
             encode_limb(limb, pose, actor.limbs[limb], scratch, channels)
@@ -96,7 +96,7 @@ def unwrap_channels(quaternion_columns, channels):
             if dot < 0.0:
                 for component in range(4):
                     now[column + component] = -now[column + component]
-        for column in range(at.LIMB_TWIST, at.LIMB_TWIST + 8):
+        for column in range(channel.LIMB_TWIST, channel.LIMB_TWIST + 8):
             beyond = now[column] - before[column] + math.pi
             now[column] -= 2.0 * math.pi * math.floor(beyond / (2.0 * math.pi))
 
@@ -113,29 +113,29 @@ def encode_trunk(pose, actor, scratch, out):
     pelvis, thorax, neck = rotations[0], rotations[spine_count - 1], spine_count
     encode_hips(points[0], pelvis, actor, out)
     rotation, local = scratch.turn, scratch.local
-    c, s = math.cos(out[at.YAW]), math.sin(out[at.YAW])
+    c, s = math.cos(out[channel.YAW]), math.sin(out[channel.YAW])
     for column in range(3):
         rotation[0, column] = c * pelvis[0, column] + s * pelvis[1, column]
         rotation[1, column] = c * pelvis[1, column] - s * pelvis[0, column]
         rotation[2, column] = pelvis[2, column]
-    write_quaternion(out, at.PELVIS, rotation)
+    write_quaternion(out, channel.PELVIS, rotation)
     for segment in range(1, spine_count):
-        write_relative_quaternion(out, at.SPINE + 4 * (segment - 1), pelvis, rotations[segment], local)
+        write_relative_quaternion(out, channel.SPINE + 4 * (segment - 1), pelvis, rotations[segment], local)
     matrix_product_transposed(rotations[neck], actor.rests[0], rotation)
-    write_relative_quaternion(out, at.NECK, thorax, rotation, local)
-    write_relative_quaternion(out, at.HEAD, rotation, rotations[neck + 1], local)
+    write_relative_quaternion(out, channel.NECK, thorax, rotation, local)
+    write_relative_quaternion(out, channel.HEAD, rotation, rotations[neck + 1], local)
     for side in range(2):
         parent = scratch.carriers[side]
         matrix_product_transposed(
             rotations[spine_count + CLAVICLE_SEGMENT + SEGMENTS_PER_LIMB * side], actor.rests[1 + side], parent
         )
-        write_relative_quaternion(out, at.CLAVICLE + 4 * side, thorax, parent, local)
+        write_relative_quaternion(out, channel.CLAVICLE + 4 * side, thorax, parent, local)
         for axis in range(3):
             hip = offset_along_axis(points[0], points[spine_count + HIP_POINT + POINTS_PER_LIMB * side], pelvis, axis)
-            out[at.HIP_SHIFT + 3 * side + axis] = (hip - actor.hips[side, axis]) / actor.leg
+            out[channel.HIP_SHIFT + 3 * side + axis] = (hip - actor.hips[side, axis]) / actor.leg
     for axis in range(3):
         head = offset_along_axis(points[neck], points[neck + 1], rotations[neck], axis)
-        out[at.HEAD_SHIFT + axis] = head / actor.neck - (1.0 if axis == 2 else 0.0)
+        out[channel.HEAD_SHIFT + axis] = head / actor.neck - (1.0 if axis == 2 else 0.0)
 
 
 @kernel
@@ -145,7 +145,7 @@ def encode_hips(root, pelvis, actor, out_channel):
         position = root[axis] - (actor.ankle_height if axis == 2 else 0.0)
         for column in range(3):
             position += pelvis[axis, column] * 0.5 * (actor.hips[0, column] + actor.hips[1, column])
-        out_channel[at.HIPS + axis] = position / actor.leg
+        out_channel[channel.HIPS + axis] = position / actor.leg
 
 
 @kernel
@@ -167,10 +167,12 @@ def encode_limb(limb, pose, length, scratch, out):
     zx, zy, zz, reach = direction_and_length(points[root], points[root + 2])
     rotation_tuples.write_rotation(rotation_tuples.shortest_rotation(ux, uy, uz, zx, zy, zz), arc)
     frame_of_hinge(arc, rotations[upper], zx, zy, zz, limb_frame)
-    write_relative_quaternion(out, at.LIMB_FRAME + 4 * limb, parent, limb_frame, local)
-    out[at.LIMB_SLACK + limb] = 1.0 - reach / length
-    out[at.LIMB_OFF_PLANE + limb] = offset_along_axis(points[root], points[root + 1], limb_frame, 0) / length
-    out[at.LIMB_BEND + limb] = -1.0 if offset_along_axis(points[root], points[root + 1], limb_frame, 1) < 0.0 else 1.0
+    write_relative_quaternion(out, channel.LIMB_FRAME + 4 * limb, parent, limb_frame, local)
+    out[channel.LIMB_SLACK + limb] = 1.0 - reach / length
+    out[channel.LIMB_OFF_PLANE + limb] = offset_along_axis(points[root], points[root + 1], limb_frame, 0) / length
+    out[channel.LIMB_BEND + limb] = (
+        -1.0 if offset_along_axis(points[root], points[root + 1], limb_frame, 1) < 0.0 else 1.0
+    )
     for bone in range(2):
         dx, dy, dz = (ux, uy, uz) if bone == 0 else (fx, fy, fz)
         straight = rotation_tuples.compose(
@@ -179,12 +181,12 @@ def encode_limb(limb, pose, length, scratch, out):
         rotation = rotation_tuples.compose(
             rotation_tuples.inverse_rotation(straight), rotation_tuples.rotation_from_matrix(rotations[upper + bone])
         )
-        out[at.LIMB_TWIST + 2 * limb + bone] = math.atan2(rotation[3] - rotation[1], rotation[0] + rotation[4])
+        out[channel.LIMB_TWIST + 2 * limb + bone] = math.atan2(rotation[3] - rotation[1], rotation[0] + rotation[4])
     if is_leg:
-        write_relative_quaternion(out, at.FOOT + 4 * side, rotations[0], rotations[upper + 2], local)
-        write_relative_quaternion(out, at.TOE + 4 * side, rotations[upper + 2], rotations[upper + 3], local)
+        write_relative_quaternion(out, channel.FOOT + 4 * side, rotations[0], rotations[upper + 2], local)
+        write_relative_quaternion(out, channel.TOE + 4 * side, rotations[upper + 2], rotations[upper + 3], local)
     else:
-        write_relative_quaternion(out, at.HAND + 4 * side, rotations[upper + 1], rotations[upper + 2], local)
+        write_relative_quaternion(out, channel.HAND + 4 * side, rotations[upper + 1], rotations[upper + 2], local)
 
 
 @kernel

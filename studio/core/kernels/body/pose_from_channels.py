@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
+from studio.core.kernels import measure_columns as measure
 from studio.core.kernels.algebra.rotation_tuples import (
     compose,
     rotation_from_matrix,
@@ -103,10 +104,10 @@ def spine_sampling(positions, measures):
     Pelvis maps to pelvis and thorax to thorax; segments between are sampled by their position along the trunk, so that
     arms hang in the same way on any number of vertebrae. ``positions`` (K_motion,) run from 0 to 1.
     """
-    count, last = (measures.shape[0] - at.MEASURE_SPINE) // 3, positions.shape[0] - 1
+    count, last = (measures.shape[0] - measure.SPINE) // 3, positions.shape[0] - 1
     own, index, share = np.zeros(count), np.zeros(count, np.int64), np.zeros(count)
     for k in range(1, count):
-        m = at.MEASURE_SPINE + 3 * (k - 1)
+        m = measure.SPINE + 3 * (k - 1)
         own[k] = own[k - 1] + math.sqrt(measures[m] ** 2 + measures[m + 1] ** 2 + measures[m + 2] ** 2)
     for k in range(count):
         position = own[k] / own[count - 1]
@@ -139,11 +140,11 @@ def realize_trunk(channels, measures, girdle, spine_from, spine_share, pose):
     """
     upright = pelvis_rotation(channels)
     pelvis = upright if girdle.hips == 1.0 else level_hips(upright, girdle.hips, girdle.line)
-    leg, m = mean_leg_length(measures), at.MEASURE_HIP_OFFSET
+    leg, m = mean_leg_length(measures), measure.HIP_OFFSET
     middle = (
-        channels[at.HIPS] * leg,
-        channels[at.HIPS + 1] * leg,
-        channels[at.HIPS + 2] * leg + 0.5 * (measures[at.MEASURE_ANKLE_HEIGHT] + measures[at.MEASURE_ANKLE_HEIGHT + 1]),
+        channels[channel.HIPS] * leg,
+        channels[channel.HIPS + 1] * leg,
+        channels[channel.HIPS + 2] * leg + 0.5 * (measures[measure.ANKLE_HEIGHT] + measures[measure.ANKLE_HEIGHT + 1]),
     )
     root = write_transformed_point(
         middle,
@@ -158,7 +159,7 @@ def realize_trunk(channels, measures, girdle, spine_from, spine_share, pose):
         if k > 0:
             rotation = compose(upright, spine_rotation(channels, spine_from[k], spine_share[k]))
         write_rotation(rotation, pose.rotations[k])
-        m = at.MEASURE_SPINE + 3 * k
+        m = measure.SPINE + 3 * k
         position = write_transformed_point(
             position, rotation, measures[m], measures[m + 1], measures[m + 2], pose.positions[k + 1]
         )
@@ -189,18 +190,15 @@ def level_hips(pelvis, share, line):
 def mean_leg_length(measures):
     """Mean length of both legs from hip to ankle, metres."""
     return 0.5 * (
-        measures[at.MEASURE_LEG]
-        + measures[at.MEASURE_LEG + 1]
-        + measures[at.MEASURE_LEG + 2]
-        + measures[at.MEASURE_LEG + 3]
+        measures[measure.LEG] + measures[measure.LEG + 1] + measures[measure.LEG + 2] + measures[measure.LEG + 3]
     )
 
 
 @small_kernel
 def pelvis_rotation(channels):
     """World rotation tuple of the pelvis: the heading times the pelvis relative to the heading."""
-    a = rotation_from_quaternion(channels, at.PELVIS)
-    s, c = sine_and_cosine(channels[at.YAW])
+    a = rotation_from_quaternion(channels, channel.PELVIS)
+    s, c = sine_and_cosine(channels[channel.YAW])
     return (
         c * a[0] - s * a[3], c * a[1] - s * a[4], c * a[2] - s * a[5],
         s * a[0] + c * a[3], s * a[1] + c * a[4], s * a[2] + c * a[5],
@@ -215,7 +213,7 @@ def spine_rotation(channels, index, fraction):
 
     It is the normalised blend of both quaternions, with ``fraction`` the weight of the second.
     """
-    a = at.SPINE + 4 * (index - 1)
+    a = channel.SPINE + 4 * (index - 1)
     ax, ay, az, aw = 0.0, 0.0, 0.0, 1.0
     if index > 0:
         ax, ay, az, aw = channels[a], channels[a + 1], channels[a + 2], channels[a + 3]
@@ -241,17 +239,17 @@ def realize_head(channels, measures, play, neck_base, thorax, pose):
     The neck is rotated from the body's own rest direction, because rest directions differ between skeletons and the
     motion carries rotations only.
     """
-    neck, m = (measures.shape[0] - at.MEASURE_SPINE) // 3, at.MEASURE_NECK_REST
-    parent = compose(thorax, rotation_from_quaternion(channels, at.NECK))
+    neck, m = (measures.shape[0] - measure.SPINE) // 3, measure.NECK_REST
+    parent = compose(thorax, rotation_from_quaternion(channels, channel.NECK))
     rotation = compose(parent, rotation_with_z_axis(measures[m], measures[m + 1], measures[m + 2]))
     write_rotation(rotation, pose.rotations[neck])
-    length = measures[at.MEASURE_NECK]
-    stray, c = play * length, at.HEAD_SHIFT
+    length = measures[measure.NECK]
+    stray, c = play * length, channel.HEAD_SHIFT
     x, y, z = stray * channels[c], stray * channels[c + 1], stray * channels[c + 2]
     joint = write_transformed_point(neck_base, rotation, x, y, length + z, pose.positions[neck + 1])
-    rotation = compose(parent, rotation_from_quaternion(channels, at.HEAD))
+    rotation = compose(parent, rotation_from_quaternion(channels, channel.HEAD))
     write_rotation(rotation, pose.rotations[neck + 1])
-    write_transformed_point(joint, rotation, 0.0, 0.0, measures[at.MEASURE_HEAD], pose.positions[neck + 2])
+    write_transformed_point(joint, rotation, 0.0, 0.0, measures[measure.HEAD], pose.positions[neck + 2])
 
 
 @small_kernel
@@ -273,7 +271,7 @@ def clavicle_rotation(channels, measures, girdle, side):
     clavicle that rises at rest than from one that falls, and shoulders that meet tear the skin.
     """
     length = girdle.length
-    m, column, out = at.MEASURE_CLAVICLE_REST + 3 * side, at.CLAVICLE + 4 * side, 1.0 - 2.0 * side
+    m, column, out = measure.CLAVICLE_REST + 3 * side, channel.CLAVICLE + 4 * side, 1.0 - 2.0 * side
     own = rotation_from_quaternion(channels, column)
     rotation = own if length == 1.0 else scaled_rotation(channels, column, length)
     rotation = compose(rotation, rotation_with_z_axis(measures[m], measures[m + 1], measures[m + 2]))
@@ -298,25 +296,25 @@ def realize_arm(channels, measures, girdle, side, neck_base, thorax, pose):
     The arm's parent axes are the thorax rotated by the actor's clavicle rotation. ``girdle`` is the actor's
     ``FrameProportions``.
     """
-    spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
+    spine_count = (measures.shape[0] - measure.SPINE) // 3
     point, segment = (
         spine_count + COLLAR_POINT + POINTS_PER_LIMB * side,
         spine_count + CLAVICLE_SEGMENT + SEGMENTS_PER_LIMB * side,
     )
-    parent = compose(thorax, rotation_from_quaternion(channels, at.CLAVICLE + 4 * side))
-    m = at.MEASURE_COLLAR_BASE + 3 * side
+    parent = compose(thorax, rotation_from_quaternion(channels, channel.CLAVICLE + 4 * side))
+    m = measure.COLLAR_BASE + 3 * side
     collar = write_transformed_point(
         neck_base, thorax, measures[m], measures[m + 1], measures[m + 2], pose.positions[point]
     )
     rotation = compose(thorax, clavicle_rotation(channels, measures, girdle, side))
     write_rotation(rotation, pose.rotations[segment])
-    write_transformed_point(collar, rotation, 0.0, 0.0, measures[at.MEASURE_CLAVICLE + side], pose.positions[point + 1])
-    m = at.MEASURE_ARM + 2 * side
+    write_transformed_point(collar, rotation, 0.0, 0.0, measures[measure.CLAVICLE + side], pose.positions[point + 1])
+    m = measure.ARM + 2 * side
     bones, fraction = (measures[m], measures[m + 1]), girdle.limbs[side]
     wrist, forearm = realize_limb(side, channels, bones, fraction, parent, point + 1, segment + 1, pose)
-    hand = compose(forearm, rotation_from_quaternion(channels, at.HAND + 4 * side))
+    hand = compose(forearm, rotation_from_quaternion(channels, channel.HAND + 4 * side))
     write_rotation(hand, pose.rotations[segment + 3])
-    m = at.MEASURE_HAND + 3 * side
+    m = measure.HAND + 3 * side
     write_transformed_point(wrist, hand, measures[m], measures[m + 1], measures[m + 2], pose.positions[point + 4])
 
 
@@ -327,16 +325,16 @@ def realize_leg(channels, measures, limbs, side, play, root, pelvis, pose):
     Leg and foot are relative to ``pelvis``, the pelvis rotation of the actor. ``limbs`` (4,) are the actor's upper
     bones as fractions of the limbs.
     """
-    spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
+    spine_count = (measures.shape[0] - measure.SPINE) // 3
     point, segment = (
         spine_count + HIP_POINT + POINTS_PER_LIMB * side,
         spine_count + THIGH_SEGMENT + SEGMENTS_PER_LIMB * side,
     )
     write_hip(channels, measures, side, play, root, rotation_from_matrix(pose.rotations[0]), pose.positions[point])
-    bones = measures[at.MEASURE_LEG + 2 * side], measures[at.MEASURE_LEG + 2 * side + 1]
+    bones = measures[measure.LEG + 2 * side], measures[measure.LEG + 2 * side + 1]
     ankle, _ = realize_limb(2 + side, channels, bones, limbs[2 + side], pelvis, point, segment, pose)
-    foot = compose(pelvis, rotation_from_quaternion(channels, at.FOOT + 4 * side))
-    toe = compose(foot, rotation_from_quaternion(channels, at.TOE + 4 * side))
+    foot = compose(pelvis, rotation_from_quaternion(channels, channel.FOOT + 4 * side))
+    toe = compose(foot, rotation_from_quaternion(channels, channel.TOE + 4 * side))
     write_foot(side, measures, ankle, foot, toe, pose)
 
 
@@ -347,17 +345,17 @@ def realize_limb(limb, channels, bones, fraction, parent, point, segment, pose):
 
     ``bones`` are the lengths of both bones in metres; ``fraction`` is the actor's upper bone relative to the limb.
     """
-    length, reach = bones[0] + bones[1], 1.0 - channels[at.LIMB_SLACK + limb]
-    twist = at.LIMB_TWIST + 2 * limb
+    length, reach = bones[0] + bones[1], 1.0 - channels[channel.LIMB_SLACK + limb]
+    twist = channel.LIMB_TWIST + 2 * limb
     shape = LimbShape(
         bones,
         soft_flexion(reach * length, bones),
-        channels[at.LIMB_OFF_PLANE + limb] * length,
-        channels[at.LIMB_BEND + limb],
+        channels[channel.LIMB_OFF_PLANE + limb] * length,
+        channels[channel.LIMB_BEND + limb],
         (channels[twist], channels[twist + 1]),
     )
     frame = match_bone_lines(
-        compose(parent, rotation_from_quaternion(channels, at.LIMB_FRAME + 4 * limb)), shape, fraction, reach
+        compose(parent, rotation_from_quaternion(channels, channel.LIMB_FRAME + 4 * limb)), shape, fraction, reach
     )
     return place_limb(point, segment, frame, shape, pose)
 
@@ -368,7 +366,7 @@ def write_hip(channels, measures, side, play, root, pelvis, out_hip):
 
     With ``play`` 1 it includes the actor's recorded hip shift, with 0 it does not.
     """
-    m, c, stray = at.MEASURE_HIP_OFFSET + 3 * side, at.HIP_SHIFT + 3 * side, play * mean_leg_length(measures)
+    m, c, stray = measure.HIP_OFFSET + 3 * side, channel.HIP_SHIFT + 3 * side, play * mean_leg_length(measures)
     return write_transformed_point(
         root,
         pelvis,
@@ -382,14 +380,14 @@ def write_hip(channels, measures, side, play, root, pelvis, out_hip):
 @small_kernel
 def write_foot(side, measures, ankle, foot, toe, pose):
     """Pose foot and toe from the position of the ``ankle`` and their world rotations."""
-    spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
+    spine_count = (measures.shape[0] - measure.SPINE) // 3
     point, segment = (
         spine_count + TOE_POINT + POINTS_PER_LIMB * side,
         spine_count + FOOT_SEGMENT + SEGMENTS_PER_LIMB * side,
     )
     write_rotation(foot, pose.rotations[segment])
     write_rotation(toe, pose.rotations[segment + 1])
-    m = at.MEASURE_FOOT + 3 * side
+    m = measure.FOOT + 3 * side
     joint = write_transformed_point(ankle, foot, measures[m], measures[m + 1], measures[m + 2], pose.positions[point])
-    m = at.MEASURE_TOE + 3 * side
+    m = measure.TOE + 3 * side
     write_transformed_point(joint, toe, measures[m], measures[m + 1], measures[m + 2], pose.positions[point + 1])

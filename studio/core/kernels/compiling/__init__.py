@@ -10,9 +10,13 @@ SUPPORTED_NUMBA = "0.68."
 USES_NUMBA_INTERNALS = numba.__version__.startswith(SUPPORTED_NUMBA)
 if USES_NUMBA_INTERNALS:
     import_module("studio.core.kernels.compiling.no_blas")
-    import_module("studio.core.kernels.compiling.unstored")
-compiled: Any = import_module(f"studio.core.kernels.compiling.{'linked' if USES_NUMBA_INTERNALS else 'plain'}").compiled
-pack: Any = import_module(f"studio.core.kernels.compiling.{'packed' if USES_NUMBA_INTERNALS else 'plain'}").pack
+    import_module("studio.core.kernels.compiling.uncached_kernels")
+compiled: Any = import_module(
+    f"studio.core.kernels.compiling.{'linked_kernels' if USES_NUMBA_INTERNALS else 'plain_numba'}"
+).compiled
+pack: Any = import_module(
+    f"studio.core.kernels.compiling.{'packed_tuples' if USES_NUMBA_INTERNALS else 'plain_numba'}"
+).pack
 """``pack(values)``: a tuple of arrays passed to other kernels as one address."""
 
 _COUNTED: dict[str, Any] = {"nogil": True, "_nrt": True}

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
+from studio.core.kernels import measure_columns as measure
 from studio.core.kernels.algebra.rotation_tuples import (
     aim_z_axis,
     compose,
@@ -27,7 +28,7 @@ from studio.core.kernels.compiling import allocating_kernel, kernel, small_kerne
 from studio.core.kernels.limbs.limb import middle_joint, place_limb, soft_extension, soft_minimum_reach
 from studio.core.kernels.records import LimbShape
 
-KNEE_TARGET, KNEE_TARGET_ACTIVE = 3, 6
+KNEE_TARGET_COLUMN, KNEE_TARGET_ACTIVE_COLUMN = 3, 6
 """Columns of an ankle target with 7 numbers: first column of the position (3,) that the knee faces, and the column that
 is 1 where that position is active.
 """
@@ -55,7 +56,7 @@ def required_root_lowering(channels, measures, rotations, ankles, soft_threshold
             if states[side, frame] == 0:
                 continue
             write_hip(channels[frame], row, side, 0.0, root, rotation_from_matrix(rotations[frame, 0]), hip)
-            length = row[at.MEASURE_LEG + 2 * side] + row[at.MEASURE_LEG + 2 * side + 1]
+            length = row[measure.LEG + 2 * side] + row[measure.LEG + 2 * side + 1]
             reach = length * soft_thresholds[side, frame]
             x, y = ankles[side, frame, 0] - hip[0], ankles[side, frame, 1] - hip[1]
             below = math.sqrt(max(0.0, reach * reach - x * x - y * y))
@@ -89,9 +90,9 @@ def place_leg(side, measures, legs, pose):
     The knee always bends forward: captures hyperextend it by a few degrees, and it would snap. A target beyond the
     soft-IK threshold is approached by ``soft_extension``; for standing feet the root has been lowered before. ``legs``
     are the ``LegTargets`` and ``pose`` the ``Pose`` of one frame. An ankle target with 7 numbers includes a knee target
-    (``KNEE_TARGET``).
+    (``KNEE_TARGET_COLUMN``).
     """
-    spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
+    spine_count = (measures.shape[0] - measure.SPINE) // 3
     _, frame, limb = aim_leg(side, measures, legs, pose)
     end, _ = place_limb(
         spine_count + HIP_POINT + POINTS_PER_LIMB * side,
@@ -109,14 +110,14 @@ def aim_leg(side, measures, legs, pose):
     ``LimbShape``.
     """
     channels, ankle = legs.channels, legs.ankles[side]
-    point = (measures.shape[0] - at.MEASURE_SPINE) // 3 + 13 + 5 * side
+    point = (measures.shape[0] - measure.SPINE) // 3 + 13 + 5 * side
     pelvis = rotation_from_matrix(pose.rotations[0])
     hip = write_hip(channels, measures, side, 0.0, pose.positions[0], pelvis, pose.positions[point])
     frame, reach, off_plane = leg_frame(channels, measures, side, legs.soft_thresholds[side], ankle, hip, pelvis)
-    upper, lower = measures[at.MEASURE_LEG + 2 * side], measures[at.MEASURE_LEG + 2 * side + 1]
-    if ankle.shape[0] > 3 and ankle[KNEE_TARGET_ACTIVE] > 0.0:
+    upper, lower = measures[measure.LEG + 2 * side], measures[measure.LEG + 2 * side + 1]
+    if ankle.shape[0] > 3 and ankle[KNEE_TARGET_ACTIVE_COLUMN] > 0.0:
         frame = twist_about_z(frame, knee_swivel(hip, ankle, upper, lower, reach, off_plane, frame))
-    t = at.LIMB_TWIST + 2 * (2 + side)
+    t = channel.LIMB_TWIST + 2 * (2 + side)
     return hip, frame, LimbShape((upper, lower), reach, off_plane, 1.0, (channels[t], channels[t + 1]))
 
 
@@ -126,7 +127,7 @@ def place_leg_points(side, measures, legs, before, pose):
 
     ``before`` (P, 3) has the offsets of the foot's points from its ankle.
     """
-    positions, point = pose.positions, (measures.shape[0] - at.MEASURE_SPINE) // 3 + 13 + 5 * side
+    positions, point = pose.positions, (measures.shape[0] - measure.SPINE) // 3 + 13 + 5 * side
     hip, frame, limb = aim_leg(side, measures, legs, pose)
     x, y, z, distance = middle_joint(limb)
     write_transformed_point(hip, frame, x, y, z, positions[point + 1])
@@ -144,18 +145,18 @@ def leg_frame(channels, measures, side, soft_threshold, ankle, hip, pelvis):
 
     ``reach`` is the distance from hip to ankle, the offset that of the knee from the leg's plane, both in metres.
     """
-    upper, lower = measures[at.MEASURE_LEG + 2 * side], measures[at.MEASURE_LEG + 2 * side + 1]
+    upper, lower = measures[measure.LEG + 2 * side], measures[measure.LEG + 2 * side + 1]
     length = upper + lower
     x, y, z = ankle[0] - hip[0], ankle[1] - hip[1], ankle[2] - hip[2]
     distance = math.sqrt(x * x + y * y + z * z)
-    frame = compose(pelvis, rotation_from_quaternion(channels, at.LIMB_FRAME + 4 * (2 + side)))
+    frame = compose(pelvis, rotation_from_quaternion(channels, channel.LIMB_FRAME + 4 * (2 + side)))
     if distance > 1e-9:
         per = 1.0 / distance
         frame = aim_z_axis(frame, per * x, per * y, per * z)
     reach = soft_minimum_reach(length * soft_extension(distance / length, soft_threshold), (upper, lower))
     off_plane, own = (
-        channels[at.LIMB_OFF_PLANE + 2 + side] * length,
-        length * (1.0 - channels[at.LIMB_SLACK + 2 + side]),
+        channels[channel.LIMB_OFF_PLANE + 2 + side] * length,
+        length * (1.0 - channels[channel.LIMB_SLACK + 2 + side]),
     )
     if reach > own:  # straighter: the knee keeps its side, where at one place it would turn right round
         off_plane *= knee_radius(upper, lower, reach) / max(knee_radius(upper, lower, own), 1e-9)
@@ -188,7 +189,7 @@ def knee_swivels(channels, measures, side, soft_thresholds, ankles, hips, pelvis
             hips[frame],
             rotation_from_matrix(pelvises[frame]),
         )
-        upper, lower = row[at.MEASURE_LEG + 2 * side], row[at.MEASURE_LEG + 2 * side + 1]
+        upper, lower = row[measure.LEG + 2 * side], row[measure.LEG + 2 * side + 1]
         out_angles[frame] = knee_swivel(hips[frame], ankles[frame], upper, lower, reach, off_plane, rotation)
 
 
@@ -199,14 +200,14 @@ def write_knee_targets(channels, measures, side, soft_thresholds, angles, hips, 
     """
     for frame in range(channels.shape[0]):
         ankle, hip = ankles[frame], hips[frame]
-        ankle[KNEE_TARGET_ACTIVE] = 0.0
+        ankle[KNEE_TARGET_ACTIVE_COLUMN] = 0.0
         if angles[frame] == 0.0:
             continue
         row = measures[frame if measures.shape[0] > 1 else 0]
         rotation, reach, off_plane = leg_frame(
             channels[frame], row, side, soft_thresholds[frame], ankle, hip, rotation_from_matrix(pelvises[frame])
         )
-        upper, lower = row[at.MEASURE_LEG + 2 * side], row[at.MEASURE_LEG + 2 * side + 1]
+        upper, lower = row[measure.LEG + 2 * side], row[measure.LEG + 2 * side + 1]
         x, y, _ = unswivelled_knee(upper, lower, reach, off_plane)
         angle = math.atan2(y, x) + angles[frame]
         c, s = (
@@ -214,8 +215,8 @@ def write_knee_targets(channels, measures, side, soft_thresholds, angles, hips, 
             KNEE_TARGET_DISTANCE * (upper + lower) * math.sin(angle),
         )
         for axis in range(3):
-            ankle[KNEE_TARGET + axis] = hip[axis] + c * rotation[3 * axis] + s * rotation[3 * axis + 1]
-        ankle[KNEE_TARGET_ACTIVE] = 1.0
+            ankle[KNEE_TARGET_COLUMN + axis] = hip[axis] + c * rotation[3 * axis] + s * rotation[3 * axis + 1]
+        ankle[KNEE_TARGET_ACTIVE_COLUMN] = 1.0
 
 
 @small_kernel
@@ -230,20 +231,20 @@ def unswivelled_knee(upper, lower, distance, off_plane):
 
 
 @kernel
-def is_placed(side, measures, legs, pose):
+def is_leg_placed(side, measures, legs, pose):
     """True if the leg already has the pose that ``place_leg`` would give it."""
     channels, ankle = legs.channels, legs.ankles[side]
-    spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
+    spine_count = (measures.shape[0] - measure.SPINE) // 3
     point, segment = (
         spine_count + ANKLE_POINT + POINTS_PER_LIMB * side,
         spine_count + FOOT_SEGMENT + SEGMENTS_PER_LIMB * side,
     )
-    upper, lower = measures[at.MEASURE_LEG + 2 * side], measures[at.MEASURE_LEG + 2 * side + 1]
-    stretch = 1.0 - channels[at.LIMB_SLACK + 2 + side]
-    if channels[at.LIMB_BEND + 2 + side] != 1.0 or stretch > legs.soft_thresholds[side]:
+    upper, lower = measures[measure.LEG + 2 * side], measures[measure.LEG + 2 * side + 1]
+    stretch = 1.0 - channels[channel.LIMB_SLACK + 2 + side]
+    if channels[channel.LIMB_BEND + 2 + side] != 1.0 or stretch > legs.soft_thresholds[side]:
         return False
     if stretch * (upper + lower) < abs(upper - lower) + 1e-6 or (
-        ankle.shape[0] > 3 and ankle[KNEE_TARGET_ACTIVE] > 0.0
+        ankle.shape[0] > 3 and ankle[KNEE_TARGET_ACTIVE_COLUMN] > 0.0
     ):
         return False
     return (
@@ -275,8 +276,8 @@ def knee_swivel(hip, ankle, upper, lower, distance, off_plane, frame):
     x, y, radius = unswivelled_knee(upper, lower, distance, off_plane)
     wanted_x, wanted_y = 0.0, 0.0
     for axis in range(3):
-        wanted_x += frame[3 * axis] * (ankle[KNEE_TARGET + axis] - hip[axis])
-        wanted_y += frame[3 * axis + 1] * (ankle[KNEE_TARGET + axis] - hip[axis])
+        wanted_x += frame[3 * axis] * (ankle[KNEE_TARGET_COLUMN + axis] - hip[axis])
+        wanted_y += frame[3 * axis + 1] * (ankle[KNEE_TARGET_COLUMN + axis] - hip[axis])
     away = radius * math.hypot(wanted_x, wanted_y)
     angle = math.atan2(wanted_y, wanted_x) - math.atan2(y, x)
     angle -= 2.0 * math.pi * math.floor((angle + math.pi) / (2.0 * math.pi))

@@ -9,13 +9,13 @@ from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.limb import soft_extension
 from studio.core.kernels.limits.limb_joint_limits import clamp_elbow_or_knee, clamp_joint, is_well_within
-from studio.core.kernels.limits.limited_step import NEARLY_MET, limited_limb_step
+from studio.core.kernels.limits.limited_step import NEARLY_MET_RESIDUAL, limited_limb_step
 from studio.core.kernels.tasks.goals import end_position, interpolate_point
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 
 LIMITED_STEPS, LATE_LIMITED_STEPS = 6, 3
 """Greatest number of steps of a limb along its limits, and of further steps while the residual is small: full steps up
-to ``NEARLY_MET``, none from twice that on.
+to ``NEARLY_MET_RESIDUAL``, none from twice that on.
 """
 LEAST_LIMITED_STEP = 0.5 * PRIORITY_TOLERANCE
 """Length in radians of a step along the limits below which no further one follows."""
@@ -84,7 +84,7 @@ def step_along_limits(limb, problem):
     surely = interpolate_point(end_position(row, end, pose), wanted, limit.certainty)
     for attempt in range(LIMITED_STEPS + (LATE_LIMITED_STEPS if row.assisted else 0)):
         left = distance(wanted, end_position(row, end, pose)) if attempt >= LIMITED_STEPS else 0.0
-        fraction = min((2.0 * NEARLY_MET - left) / NEARLY_MET, 1.0)
+        fraction = min((2.0 * NEARLY_MET_RESIDUAL - left) / NEARLY_MET_RESIDUAL, 1.0)
         if fraction <= 0.0:
             return
         point, goal = effective_point(row, end, surely, state.holds_end, pose)

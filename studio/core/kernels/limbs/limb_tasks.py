@@ -19,7 +19,7 @@ from studio.core.kernels.body.parts import end_pose, limb_parts, restore_end, ro
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb_limits import allowed_reach, effective_point, limit_limb
-from studio.core.kernels.limbs.reach import (
+from studio.core.kernels.limbs.limb_reach import (
     aim_at,
     bend_and_aim,
     bend_coefficients,
@@ -36,7 +36,7 @@ from studio.core.kernels.tasks.task_status import ACTIVE
 
 NEGLIGIBLE_ERROR = 0.25 * PRIORITY_TOLERANCE
 """Error in metres or radians that is ignored."""
-KEEPS_BLEND = 1
+BLENDED_POSE_KEPT = 1
 """Value of ``blended_limbs`` for a limb that keeps the pose of ``kernels.time.activation_blend``."""
 
 
@@ -133,7 +133,7 @@ def reset_limb(limb, problem):
     tasks, search, limits, state = problem.tasks, problem.search, problem.body.limits, problem.search.limbs[limb]
     _, upper, root = limb_parts(limb, problem.pose.positions.shape[0] - POINTS_BESIDE_SPINE)
     turns_end = search.end_tasks[limb] >= 0 and tasks[search.end_tasks[limb]].status == ACTIVE
-    state.has_limits = limits.shape[0] > 0 and search.blended_limbs[limb] != KEEPS_BLEND
+    state.has_limits = limits.shape[0] > 0 and search.blended_limbs[limb] != BLENDED_POSE_KEPT
     state.end_has_task, state.holds_end = turns_end, limb >= 2 or turns_end
     state.freedoms_used, state.primary, state.primary_end = 0, 0, 0
     state.aims_upper, state.swivels, state.lower_rotated = 0, 0, 0
@@ -237,7 +237,7 @@ def solve_primary_task(row, end, before, problem):
         aim_at(goal, point, upper, positions.shape[0] - POINTS_BESIDE_SPINE, positions[root], positions, rotations)
     else:
         span = distance(goal, positions[root])
-        is_kept = problem.search.blended_limbs[limb] == KEEPS_BLEND and is_position(row)
+        is_kept = problem.search.blended_limbs[limb] == BLENDED_POSE_KEPT and is_position(row)
         span = row.goal_reaches[end] if is_kept else allowed_reach(row, end, span)
         if limits.shape[0] > 0 and span < row.flexion_thresholds[end]:
             span = -soft_clamp_above(-span, -math.inf, -row.flexion_thresholds[end], -row.min_reach[end])

@@ -8,26 +8,26 @@ Records are those of ``kernels.records``.
 
 import math
 
-from studio.core.kernels import layout as at
+from studio.core.kernels import measure_columns as measure
 from studio.core.kernels.algebra.rotation_tuples import rotation_from_matrix, rotation_from_vector, transform_point
 from studio.core.kernels.algebra.smooth_steps import penetration_correction
 from studio.core.kernels.algebra.vectors import distance, offset_between
 from studio.core.kernels.body.parts import end_pose, limb_parts, restore_end, rotate_part
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel, small_kernel
-from studio.core.kernels.limbs.reach import bend_and_aim
+from studio.core.kernels.limbs.limb_reach import bend_and_aim
 from studio.core.kernels.limits.limb_joint_limits import damped_swivel
 from studio.core.kernels.limits.swing_twist import bend_carrying_twist
 from studio.core.kernels.tasks.goals import moves_point
 from studio.core.kernels.tasks.task_status import ACTIVE
 
-GROUND_MARGIN = 0.05
+GROUND_MARGIN_METRES = 0.05
 """Height above the ground in metres below which a part of a limb begins to rise; at ground height it is raised by 3/16
 of this.
 """
-NEGLIGIBLE_RISE = 1e-6
+NEGLIGIBLE_RISE_METRES = 1e-6
 """Rise in metres that is ignored: rounding alone causes it in a limb that stays."""
-LEAST_CIRCLE = 0.005
+LEAST_CIRCLE_RADIUS = 0.005
 """Radius in metres of the circle of elbow or knee about its limb's line at which a swivel is halved: on a smaller
 circle it would whirl.
 """
@@ -37,10 +37,10 @@ circle it would whirl.
 def raise_limb(limb, busy, level, problem):
     """Raise a limb out of the ground; ``busy`` is true if tasks down to ``level`` pose the limb."""
     state, pose = problem.search.limbs[limb], problem.pose
-    used, root = state.freedoms_used if busy else 0, root_of(limb, pose)
+    used, root = state.freedoms_used if busy else 0, limb_root_point(limb, pose)
     if used > 1:
         return
-    margin = 0.0 if moves_rigidly(limb, root, level, problem.tasks) else GROUND_MARGIN
+    margin = 0.0 if moves_rigidly(limb, root, level, problem.tasks) else GROUND_MARGIN_METRES
     if used == 0 or state.aims_upper:
         rise = end_rise(limb, margin, problem)
         if rise > 0.0 and used == 0:
@@ -58,7 +58,7 @@ def raise_limb(limb, busy, level, problem):
 
 
 @small_kernel
-def root_of(limb, pose):
+def limb_root_point(limb, pose):
     """Index of the point of shoulder or hip of a limb."""
     return limb_parts(limb, pose.positions.shape[0] - POINTS_BESIDE_SPINE)[2]
 
@@ -92,7 +92,7 @@ def end_rise(limb, margin, problem):
 def middle_rise(limb, margin, problem):
     """Rise in metres that elbow or knee needs, fading in from a height of ``margin`` metres on."""
     start, pose, ground = problem.start, problem.pose, problem.body.ground[limb]
-    middle = root_of(limb, pose) + 1
+    middle = limb_root_point(limb, pose) + 1
     now = height_above(pose.positions[middle], ground)
     return rise_between(height_above(start.positions[middle], ground), now, margin) if now < margin else 0.0
 
@@ -105,7 +105,7 @@ def rise_between(before, now, margin):
     """
     least = min(before, 0.0)
     rise = penetration_correction(now - least, min(before - least, margin))
-    return rise if rise > NEGLIGIBLE_RISE else 0.0
+    return rise if rise > NEGLIGIBLE_RISE_METRES else 0.0
 
 
 @kernel
@@ -118,9 +118,9 @@ def end_height(limb, problem, pose):
         return lowest
     side = limb - 2
     foot, toe = rotation_from_matrix(pose.rotations[upper + 2]), rotation_from_matrix(pose.rotations[upper + 3])
-    tall, toe_at = measures[at.MEASURE_ANKLE_HEIGHT + side], at.MEASURE_TOE + 3 * side
-    thick = tall + measures[at.MEASURE_FOOT + 3 * side + 2]
-    heel = transform_point(positions[root + 2], foot, -measures[at.MEASURE_HEEL_LENGTH + side], 0.0, -tall)
+    tall, toe_at = measures[measure.ANKLE_HEIGHT + side], measure.TOE + 3 * side
+    thick = tall + measures[measure.FOOT + 3 * side + 2]
+    heel = transform_point(positions[root + 2], foot, -measures[measure.HEEL_LENGTH + side], 0.0, -tall)
     ball = transform_point(positions[root + 3], foot, 0.0, 0.0, -thick)
     bent = transform_point(positions[root + 3], toe, 0.0, 0.0, -thick)
     tip = transform_point(positions[root + 3], toe, math.hypot(measures[toe_at], measures[toe_at + 1]), 0.0, -thick)
@@ -208,4 +208,4 @@ def circle_to_rise(axis, arm, rise):
     height, aside = arm[2] - along * z, x * arm[1] - y * arm[0]
     most = math.sqrt(height * height + aside * aside)
     goal = math.acos(min(max((height + rise) / max(most, 1e-9), -1.0), 1.0))
-    return math.atan2(aside, height), goal, most * most / (most * most + LEAST_CIRCLE * LEAST_CIRCLE)
+    return math.atan2(aside, height), goal, most * most / (most * most + LEAST_CIRCLE_RADIUS * LEAST_CIRCLE_RADIUS)

@@ -14,15 +14,15 @@ from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limits.root_reach_limit import limit_root_step
 from studio.core.kernels.search.body_placement import pose_body, solve_limbs
-from studio.core.kernels.search.level_step import TASK_MET
+from studio.core.kernels.search.level_step import TASK_MET_RESIDUAL
 from studio.core.kernels.tasks.goals import end_position, is_position
-from studio.core.kernels.tasks.limb_rows import LIMB_FALLS_SHORT
+from studio.core.kernels.tasks.limb_rows import LIMB_SHORT_RESIDUAL
 from studio.core.kernels.tasks.task_kinds import residual_of
 from studio.core.kernels.tasks.task_status import ACTIVE
 
 ROOT_RETREAT_STEPS = 30
 """Greatest number of retreat steps. Each leaves a third to two thirds of the residual; the steps of the search that
-follow are misled if more than ``TASK_MET`` is left.
+follow are misled if more than ``TASK_MET_RESIDUAL`` is left.
 """
 KEPT_RESIDUAL_FRACTION = 0.8
 """Greatest fraction of the residual left by the retreat for which its result is kept."""
@@ -39,7 +39,7 @@ def retreat_root(level, problem):
     tasks, chain, search = problem.tasks, problem.chain, problem.search
     c = limited_leg_task(level, problem)
     first = residual_of(c, problem) if c >= 0 else 0.0
-    if first < LIMB_FALLS_SHORT:
+    if first < LIMB_SHORT_RESIDUAL:
         return False
     residual = first
     copy_points(search.state, search.trial_state)
@@ -48,7 +48,7 @@ def retreat_root(level, problem):
         pose_body(problem)
         solve_limbs(level, problem)
         residual = residual_of(c, problem)
-        if residual < TASK_MET or (attempt > 0 and residual > first):
+        if residual < TASK_MET_RESIDUAL or (attempt > 0 and residual > first):
             break
     if residual > KEPT_RESIDUAL_FRACTION * first:
         copy_points(search.trial_state, search.state)

@@ -16,7 +16,7 @@ from studio.core.kernels.body.parts import end_pose, limb_parts, restore_end
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.limb import MAX_EXTENSION, SOFT_IK_THRESHOLD, soft_extension
-from studio.core.kernels.limbs.reach import bend_and_aim, distance_range
+from studio.core.kernels.limbs.limb_reach import bend_and_aim, distance_range
 from studio.core.kernels.tasks.task_status import INACTIVE
 
 

@@ -32,7 +32,7 @@ swivel of the elbow in radians. First column of the hand's rotation, column of t
 """
 SMOOTH_MINIMUM_WIDTH = 0.02
 """Difference in metres of the distances to two capsules up to which they are blended."""
-CAPSULE_CORE = 0.3
+CAPSULE_CORE_FRACTION = 0.3
 """Fraction of a capsule's radius within which its outward direction fades to zero, because it is undefined on the axis.
 """
 LONGEST_APPROACH, CONTACT_MARGIN = 0.08, 0.003
@@ -43,12 +43,12 @@ SHORTEST_APPROACH = 5.0 * CONTACT_MARGIN
 """Least distance in metres before its required distance at which a probe is decelerated."""
 CLEARANCE_ITERATIONS = 6
 """Iterations over the probes of an arm."""
-SWIVEL_COST = 0.3
+SWIVEL_COST_METRES = 0.3
 """Wrist displacement in metres that costs as much as one radian of swivel. One radian moves the elbow of a bent arm by
 0.15 to 0.2 m, and the wrist takes the elbow along by half of its own displacement, so that both move an elbow out, and
 the arm tips less.
 """
-HAND_COST = 0.5 * SWIVEL_COST
+HAND_COST_METRES = 0.5 * SWIVEL_COST_METRES
 """Wrist displacement in metres that costs as much as one radian of hand rotation: fingers that alone are too deep bend
 out, and move the wrist by a third.
 """
@@ -62,7 +62,7 @@ ACTOR_DIRECTION_DEPTH = 1.5 * MAX_INHERITED_PENETRATION
 """Depth in metres at which an arm is pushed out along the actor's outward direction alone: deeper than any inherited
 penetration.
 """
-CORE_DISTANCE = math.sqrt(1.0 + CAPSULE_CORE * CAPSULE_CORE)
+CORE_DISTANCE = math.sqrt(1.0 + CAPSULE_CORE_FRACTION * CAPSULE_CORE_FRACTION)
 """Softened distance from a capsule's axis, in radii, at its surface."""
 WRIST_FRACTIONS = (0.5, 0.75, 1.0, 1.0, 1.0)
 """Fraction of the wrist's displacement by which each probe moves."""
@@ -103,7 +103,7 @@ def signed_distance_to_body(x, y, z, girth, capsules, out_direction):
         t = soft_clamp((px * ux + py * uy + pz * uz) * capsule.per_squared_length)
         px, py, pz = px - t * ux, py - t * uy, pz - t * uz
         radius = capsule.radius + t * capsule.radius_change
-        squared = px * px + py * py + pz * pz + CAPSULE_CORE * CAPSULE_CORE * radius * radius
+        squared = px * px + py * py + pz * pz + CAPSULE_CORE_FRACTION * CAPSULE_CORE_FRACTION * radius * radius
         if squared >= (most + CORE_DISTANCE * radius) ** 2:
             continue
         away = math.sqrt(squared)
@@ -280,19 +280,19 @@ def add_probe_step(short, follows, fractions, probe, step):
     arc, lever, direction, line = probe
     stiff = direction[0] * line[0] + direction[1] * line[1] + direction[2] * line[2]
     swings = max(1.0 - stiff * stiff, 0.0)
-    swivel = (direction[0] * arc[0] + direction[1] * arc[1] + direction[2] * arc[2]) / SWIVEL_COST
+    swivel = (direction[0] * arc[0] + direction[1] * arc[1] + direction[2] * arc[2]) / SWIVEL_COST_METRES
     x, y, z = cross_with(lever[0], lever[1], lever[2], direction)
-    hand = (x * x + y * y + z * z) / HAND_COST**2
+    hand = (x * x + y * y + z * z) / HAND_COST_METRES**2
     along = short / (
         follows * follows * swings * fractions[1] + hand * fractions[2] + swivel * swivel * fractions[3] + 0.02
     )
     for axis in range(3):
         step[axis] += along * follows * fractions[1] * (direction[axis] - stiff * line[axis])
-    bent = along * fractions[2] / HAND_COST**2
+    bent = along * fractions[2] / HAND_COST_METRES**2
     step[HAND_ROTATION] += bent * x
     step[HAND_ROTATION + 1] += bent * y
     step[HAND_ROTATION + 2] += bent * z
-    step[ELBOW_SWIVEL] += along * swivel / SWIVEL_COST * fractions[3]
+    step[ELBOW_SWIVEL] += along * swivel / SWIVEL_COST_METRES * fractions[3]
 
 
 @kernel

@@ -15,7 +15,7 @@ from studio.core.kernels.algebra.vectors import copy_matrix, copy_points
 from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND
+from studio.core.kernels.limbs.limb_tasks import BLENDED_POSE_KEPT
 from studio.core.kernels.limits.arm_clearance import place_capsules
 from studio.core.kernels.limits.self_collision import measure_side_distances, write_penetration
 from studio.core.kernels.records import SavedTier
@@ -155,7 +155,7 @@ def pose_tier_fraction(fraction, tier, frame, clip, problem):
     search, start, pose = problem.search, problem.start, problem.pose
     blend_states(1.0 - fraction, search)
     for limb in range(4):
-        search.blended_limbs[limb] = KEEPS_BLEND if limb < 2 or has_active_task(limb, problem.tasks) else 0
+        search.blended_limbs[limb] = BLENDED_POSE_KEPT if limb < 2 or has_active_task(limb, problem.tasks) else 0
     pose_body(problem)
     for limb in range(4):
         search.blended_limbs[limb] = 0

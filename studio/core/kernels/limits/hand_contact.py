@@ -34,7 +34,7 @@ PALM_PROBE = 3
 """Index of the probe in the palm."""
 HAND_ITERATIONS = 6
 """Iterations of a hand-hand contact: an arm near full extension makes only a part of each step."""
-HANDS_MEET = 0.05 * PRIORITY_TOLERANCE
+HANDS_MET_DISTANCE = 0.05 * PRIORITY_TOLERANCE
 """Distance in metres, of both hands from their contact positions, below which the iteration ends."""
 PUSH_OUT_ITERATIONS = 3
 """Iterations over an arm's probes; further ones change nothing."""
@@ -64,7 +64,7 @@ def solve_hand_hand_contact(gaps, fractions, positions, rotations):
                 shift[axis] = left[axis] - right[axis] + goal[axis]
                 residual = max(residual, abs(shift[axis]))
                 shift[axis] *= -fractions[frame, 0] / whole
-            if residual < HANDS_MEET:
+            if residual < HANDS_MET_DISTANCE:
                 break
             move_wrist(0, shift, saved, rotation, pose)
             rest = min(4.0 * fractions[frame, 1] / whole, 1.0)  # all that the left one leaves, unless it is to stay

@@ -64,17 +64,17 @@ LIMB_LIMITS = np.dtype(
 Fields of two are those of shoulder or hip, and of wrist or ankle. Angles are in radians; a joint's axes are those at
 the middle of its range.
 """
-SOFT_LIMIT = 0.95
+SOFT_LIMIT_FRACTION = 0.95
 """Fraction of a joint's limit from which it is clamped softly, so that the joint never stops at once."""
-SWIVEL_SOFT_LIMIT, SWIVEL_LIMIT = 0.75, 0.92
+SWIVEL_SOFT_LIMIT_FRACTION, SWIVEL_LIMIT_FRACTION = 0.75, 0.92
 """Fractions of a joint's limit at which the damping of a swivel begins, and at which the swivel stops."""
 SWIVEL_STEPS = 10
 """Integration steps of a swivel towards a secondary task's goal."""
-SWIVEL_DAMPED = 0.1
+DAMPED_SWIVEL_FRACTION = 0.1
 """Fraction of a secondary task's swivel that damping has removed when the swivel counts as fully damped."""
 UNTWIST_RANGE = 0.3
 """Excess of a swing, as a fraction of its limit, at which the clamped twist is replaced by the motion's own."""
-HALF_TURN_FADE = 0.7
+HALF_TURN_FADE_ANGLE = 0.7
 """Angle in radians before half a turn, beyond any limit, within which a goal fades: either direction of rotation would
 lead to it.
 """
@@ -120,7 +120,7 @@ def half_turn_certainty(angle, edge):
     """Weight in [0, 1] of a clamped angle beyond its limit ``edge`` (radians): it fades to 0 as the angle nears half a
     turn, where the nearer limit is ambiguous.
     """
-    fraction = min(max(math.pi - angle, 0.0) / max(min(HALF_TURN_FADE, math.pi - edge), 1e-6), 1.0)
+    fraction = min(max(math.pi - angle, 0.0) / max(min(HALF_TURN_FADE_ANGLE, math.pi - edge), 1e-6), 1.0)
     return fraction * fraction * (3.0 - 2.0 * fraction)
 
 
@@ -180,8 +180,8 @@ def is_well_within(limb, joint, limits, rotations):
 
 @kernel
 def update_caps(row, joint, swing):
-    """Update the soft upper bounds (caps) of a joint for a requested ``swing``: the swing itself up to ``SOFT_LIMIT``,
-    then softly less (METHOD (27)).
+    """Update the soft upper bounds (caps) of a joint for a requested ``swing``: the swing itself up to
+    ``SOFT_LIMIT_FRACTION``, then softly less (METHOD (27)).
     """
     own, own_turn = (
         row.own_fractions[joint],
@@ -189,9 +189,13 @@ def update_caps(row, joint, swing):
     )
     fraction = swing_fraction(row.radii[joint], swing[0], swing[1])
     rotation = range_fraction(row.twists[joint, 0], row.twists[joint, 1], swing[2])
-    row.caps[joint, 0] = max(soft_clamp_above(fraction, own, SOFT_LIMIT, 1.0), max(own, SOFT_LIMIT))
-    row.caps[joint, 1] = max(soft_clamp_above(rotation, own_turn, SOFT_LIMIT, 1.0), max(own_turn, SOFT_LIMIT))
-    row.caps[joint, 2] = max(soft_clamp_above(-rotation, -own_turn, SOFT_LIMIT, 1.0), max(-own_turn, SOFT_LIMIT))
+    row.caps[joint, 0] = max(soft_clamp_above(fraction, own, SOFT_LIMIT_FRACTION, 1.0), max(own, SOFT_LIMIT_FRACTION))
+    row.caps[joint, 1] = max(
+        soft_clamp_above(rotation, own_turn, SOFT_LIMIT_FRACTION, 1.0), max(own_turn, SOFT_LIMIT_FRACTION)
+    )
+    row.caps[joint, 2] = max(
+        soft_clamp_above(-rotation, -own_turn, SOFT_LIMIT_FRACTION, 1.0), max(-own_turn, SOFT_LIMIT_FRACTION)
+    )
 
 
 @kernel
@@ -212,10 +216,10 @@ def clamped_twist(row, joint, swing):
     own_turn = range_fraction(middle, half, own)
     least, most = min(own_turn, -1.0), max(own_turn, 1.0)
     kept = min(max(rotation, least), most)
-    if kept == rotation and fraction <= max(SOFT_LIMIT, row.own_fractions[joint]):
+    if kept == rotation and fraction <= max(SOFT_LIMIT_FRACTION, row.own_fractions[joint]):
         return swing
     share = limit_fade(abs(rotation - kept) * half / (math.pi - half * abs(kept))) if kept != rotation else 1.0
-    share *= limit_fade((fraction - max(SOFT_LIMIT, row.own_fractions[joint])) / UNTWIST_RANGE)
+    share *= limit_fade((fraction - max(SOFT_LIMIT_FRACTION, row.own_fractions[joint])) / UNTWIST_RANGE)
     return x, y, middle + half * (own_turn + share * (kept - own_turn))
 
 
@@ -277,18 +281,18 @@ def damped_swivel(row, parent, upper, ax, ay, az, desired):
                 remaining = min(remaining, remaining_freedom(abs(rotation), own if rotation > 0.0 else -own))
         angle += remaining * desired / SWIVEL_STEPS
         x, z = rotate_about_axis(a, angle, x0), rotate_about_axis(a, angle, z0)
-    braked = min(1.0 - angle / desired, SWIVEL_DAMPED) / SWIVEL_DAMPED if desired != 0.0 else 0.0
+    braked = min(1.0 - angle / desired, DAMPED_SWIVEL_FRACTION) / DAMPED_SWIVEL_FRACTION if desired != 0.0 else 0.0
     return angle * (1.0 - braked * (1.0 - half_turn_certainty(abs(desired), 0.0)))
 
 
 @kernel
 def remaining_freedom(fraction, own):
-    """Damping factor of a rotation towards a limit, at ``fraction`` of its range: 1 up to ``SWIVEL_SOFT_LIMIT``, 0 from
-    ``SWIVEL_LIMIT`` on.
+    """Damping factor of a rotation towards a limit, at ``fraction`` of its range: 1 up to
+    ``SWIVEL_SOFT_LIMIT_FRACTION``, 0 from ``SWIVEL_LIMIT_FRACTION`` on.
 
     Both thresholds are at least ``own``, the fraction in the source motion.
     """
-    free, most = max(SWIVEL_SOFT_LIMIT, own), max(SWIVEL_LIMIT, own)
+    free, most = max(SWIVEL_SOFT_LIMIT_FRACTION, own), max(SWIVEL_LIMIT_FRACTION, own)
     return min(max((most - fraction) / max(most - free, 1e-3), 0.0), 1.0)
 
 
@@ -342,10 +346,10 @@ def clamp_bend(row, upper, pivot, pose):
     )
     tilt, own_tilt = slant / row.aslant, row.own_slant / row.aslant
     kept, kept_twist = (
-        soft_clamp_both(fraction, own_part, SOFT_LIMIT, 1.0),
-        soft_clamp_both(twist, own_twist, SOFT_LIMIT, 1.0),
+        soft_clamp_both(fraction, own_part, SOFT_LIMIT_FRACTION, 1.0),
+        soft_clamp_both(twist, own_twist, SOFT_LIMIT_FRACTION, 1.0),
     )
-    kept_tilt = soft_clamp_both(tilt, own_tilt, SOFT_LIMIT, 1.0)
+    kept_tilt = soft_clamp_both(tilt, own_tilt, SOFT_LIMIT_FRACTION, 1.0)
     if kept == fraction and kept_twist == twist and kept_tilt == tilt:
         return False
     share = half_turn_certainty(0.5 * math.pi + abs(slant), 0.5 * math.pi + row.aslant) if kept_tilt != tilt else 1.0

@@ -16,7 +16,7 @@ from studio.core.kernels.algebra.rotation_tuples import (
 from studio.core.kernels.body.parts import rotate_part
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel, small_kernel
-from studio.core.kernels.limbs.reach import bend_coefficients
+from studio.core.kernels.limbs.limb_reach import bend_coefficients
 from studio.core.kernels.limits.swing_twist import (
     range_fraction,
     swing_and_twist,
@@ -28,10 +28,10 @@ from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 
 SIDEWAYS_DAMPING, FAR_DAMPING, LEAST_DAMPING = 4.0, 0.01, 1e-4
 """Terms of the damping of a step, per radian squared: factor of the squared residual across the limb (Yamashita and
-Fukushima 2001), and factors of the squared limb length, the first where more than ``NEARLY_MET`` is left, the second
-always, which equals the damping of a full step for a lever of one metre.
+Fukushima 2001), and factors of the squared limb length, the first where more than ``NEARLY_MET_RESIDUAL`` is left, the
+second always, which equals the damping of a full step for a lever of one metre.
 """
-NEARLY_MET = 20.0 * PRIORITY_TOLERANCE
+NEARLY_MET_RESIDUAL = 20.0 * PRIORITY_TOLERANCE
 """Residual in metres at which a target is nearly met: late steps are full up to it, and half of ``FAR_DAMPING`` applies
 at it.
 """
@@ -138,7 +138,7 @@ def hildreth_step(limit, r, c, e, h, z, bends):
     )
     long = max(dot_product(r, r), 1e-9)
     residual = dot_product(e, e)
-    far = residual / (residual + NEARLY_MET * NEARLY_MET)
+    far = residual / (residual + NEARLY_MET_RESIDUAL * NEARLY_MET_RESIDUAL)
     damping = (LEAST_DAMPING + far * FAR_DAMPING) * long + SIDEWAYS_DAMPING * (residual - dot_product(e, r) ** 2 / long)
     a = damped_inverse(r, c, damping)
     y = rotate_vector(a, e[0], e[1], e[2])

@@ -2,7 +2,7 @@
 
 import math
 
-from studio.core.kernels import layout as at
+from studio.core.kernels import measure_columns as measure
 from studio.core.kernels.algebra.vectors import distance
 from studio.core.kernels.body_indices import HIP_POINT, POINTS_BESIDE_SPINE, POINTS_PER_LIMB
 from studio.core.kernels.compiling import kernel
@@ -25,7 +25,7 @@ def root_reach_of(side, body, start):
     The length is at least the distance in the unsolved pose ``start``.
     """
     measures, root_reaches, legs = body.measures, body.root_reaches, body.legs
-    length = measures[at.MEASURE_LEG + 2 * side] + measures[at.MEASURE_LEG + 2 * side + 1]
+    length = measures[measure.LEG + 2 * side] + measures[measure.LEG + 2 * side + 1]
     hip = start.positions[start.positions.shape[0] - POINTS_BESIDE_SPINE + HIP_POINT + POINTS_PER_LIMB * side]
     own = distance(hip, legs.ankles[side])
     root_reach = max(root_reaches[side] * length, own)

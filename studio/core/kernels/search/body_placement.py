@@ -20,8 +20,8 @@ from studio.core.kernels.body_indices import (
 )
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.legs import place_leg, place_leg_points
-from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND, NEGLIGIBLE_ERROR, solve_limb
-from studio.core.kernels.limbs.limbs_above_ground import GROUND_MARGIN, end_rise, middle_rise, raise_limb
+from studio.core.kernels.limbs.limb_tasks import BLENDED_POSE_KEPT, NEGLIGIBLE_ERROR, solve_limb
+from studio.core.kernels.limbs.limbs_above_ground import GROUND_MARGIN_METRES, end_rise, middle_rise, raise_limb
 from studio.core.kernels.limbs.stiffness import move_stiff_leg
 from studio.core.kernels.limbs.touching_arms import follow_contacts, follows_contact
 from studio.core.kernels.limits.limb_joint_limits import clamp_joint, is_well_within
@@ -38,7 +38,7 @@ from studio.core.kernels.tasks.goals import (
 from studio.core.kernels.tasks.task_kinds import residual_of, update_goals
 from studio.core.kernels.tasks.task_status import ACTIVE
 
-POINTS_ONLY = 2
+ONLY_POINTS_POSED = 2
 """Value of ``idle_limbs`` for a limb of which only the points have been posed."""
 LIMB_REPEATS = 3
 """Greatest number of repeated solutions of the limbs, because a point entered an area or two limbs did not share a
@@ -70,10 +70,10 @@ def reset_limb_pose(limb, problem):
     chain, body, search, start, pose = problem.chain, problem.body, problem.search, problem.start, problem.pose
     joint_of_segment, state = chain.joint_of_segment, search.state
     if search.idle_limbs[limb]:
-        search.idle_limbs[limb] = POINTS_ONLY
+        search.idle_limbs[limb] = ONLY_POINTS_POSED
         pose_limb_points(limb, problem)
         return
-    if search.blended_limbs[limb] == KEEPS_BLEND:
+    if search.blended_limbs[limb] == BLENDED_POSE_KEPT:
         parent, upper, root = limb_parts(limb, pose.positions.shape[0] - POINTS_BESIDE_SPINE)
         pose_limb(parent, upper, root, 4 * limb, search.blended_rotations, start, pose)
         return
@@ -172,7 +172,10 @@ def solve_limbs(level, problem):
                 busy |= 1 << row.limbs[end]
     solve_limb_tasks(busy, level, problem)
     for limb in range(4):
-        if idle[limb] and end_rise(limb, GROUND_MARGIN, problem) + middle_rise(limb, GROUND_MARGIN, problem) > 0.0:
+        if (
+            idle[limb]
+            and end_rise(limb, GROUND_MARGIN_METRES, problem) + middle_rise(limb, GROUND_MARGIN_METRES, problem) > 0.0
+        ):
             idle[limb] = 0
             reset_limb_pose(limb, problem)
         if limb >= 2 or not follows_contact(limb, level, problem):

@@ -7,7 +7,7 @@ import math
 
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb_tasks import NEGLIGIBLE_ERROR
-from studio.core.kernels.limits.limited_step import NEARLY_MET
+from studio.core.kernels.limits.limited_step import NEARLY_MET_RESIDUAL
 from studio.core.kernels.search.full_newton_step import full_newton_step
 from studio.core.kernels.search.joints import update_joint_damping
 from studio.core.kernels.search.null_space_step import apply_step, null_space_step
@@ -17,7 +17,7 @@ from studio.core.kernels.tasks.second_order import INEQUALITY_ROW, optimal_step_
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.kernels.tasks.task_status import ACTIVE
 
-TASK_MET, ALLOWED_VIOLATION = 0.6 * PRIORITY_TOLERANCE, 0.4 * PRIORITY_TOLERANCE
+TASK_MET_RESIDUAL, ALLOWED_VIOLATION = 0.6 * PRIORITY_TOLERANCE, 0.4 * PRIORITY_TOLERANCE
 """Residual in metres below which a task is met, and greatest change of a higher task's residual by one level, in metres
 or radians.
 """
@@ -29,7 +29,7 @@ NO_LATE_STEP_GAIN, FULL_LATE_STEP_GAIN = 0.15, 0.35
 one.
 """
 NO_LATE_STEP_ERROR = 0.012
-"""Residual in metres from which late steps are not taken; up to ``NEARLY_MET`` they are full."""
+"""Residual in metres from which late steps are not taken; up to ``NEARLY_MET_RESIDUAL`` they are full."""
 LEAST_GAIN = 0.03
 """Least fraction of the residual removed by the last step for a full late step near the goal."""
 LEAST_DISPLACEMENT = 0.1 * PRIORITY_TOLERANCE
@@ -69,7 +69,7 @@ def take_level_step(level, restoring, all_joints, is_late, root_stays, damping, 
     left = residual * residual / max(past.residual, 1e-9)
     past.suffices = left < SUFFICIENT_ERROR and worst < ALLOWED_VIOLATION
     past.residual = residual
-    if worst < (LEAST_DISPLACEMENT if restoring else NEGLIGIBLE_ERROR) and residual < TASK_MET:
+    if worst < (LEAST_DISPLACEMENT if restoring else NEGLIGIBLE_ERROR) and residual < TASK_MET_RESIDUAL:
         return 0.0
     promised, fraction = newton_step(own, count, all_joints, damping, residual, problem)
     worth = 1.0 if restoring else min(max(promised / SUFFICIENT_ERROR - 1.0, 0.0), 1.0)
@@ -126,10 +126,10 @@ def late_step_length(residual, before):
     metres.
     """
     near, gained = (
-        (NO_LATE_STEP_ERROR - residual) / (NO_LATE_STEP_ERROR - NEARLY_MET),
+        (NO_LATE_STEP_ERROR - residual) / (NO_LATE_STEP_ERROR - NEARLY_MET_RESIDUAL),
         1.0,
     )  # what was met is missed by what is held alone
-    if before >= TASK_MET:
+    if before >= TASK_MET_RESIDUAL:
         gained -= residual / before
     near = min(near, 1.0) * min(max(gained / LEAST_GAIN, 0.0), 1.0)
     return min(max(near, (gained - NO_LATE_STEP_GAIN) / (FULL_LATE_STEP_GAIN - NO_LATE_STEP_GAIN)), 1.0)

@@ -40,19 +40,19 @@ from studio.core.kernels.search.backtracking import (
     update_bracket,
 )
 from studio.core.kernels.search.body_placement import (
-    POINTS_ONLY,
+    ONLY_POINTS_POSED,
     find_idle_limbs,
     pose_body,
     reset_limb_pose,
     solve_limbs,
 )
-from studio.core.kernels.search.level_step import ALLOWED_VIOLATION, TASK_MET, take_level_step
-from studio.core.kernels.search.reachability import (
+from studio.core.kernels.search.chain_reach import (
     has_single_joint,
     reachable_distance,
     soft_reachable_distance,
     update_unreachable_fraction,
 )
+from studio.core.kernels.search.level_step import ALLOWED_VIOLATION, TASK_MET_RESIDUAL, take_level_step
 from studio.core.kernels.search.redundancy import may_rotate_limbs, set_reachable_balance_goals
 from studio.core.kernels.tasks.balance import centre_of_mass
 from studio.core.kernels.tasks.goals import (
@@ -84,7 +84,7 @@ LIMITED_LEG_STEPS = 12
 """Greatest number of steps of a level with a leg at its joint limits, whose residual hardly depends on the root to
 first order.
 """
-FIRST_STEPS = 2
+STEPS_BEFORE_FULL_NEWTON = 2
 """Steps along the rows' directions before full Newton steps. Those are taken only without planted feet and higher
 levels, because held rows would bend the directions of all joints too.
 """
@@ -122,7 +122,7 @@ def solve_frame(level_count, problem):
         solve_level(level, before < 0, problem)
         before = level
     for limb in range(4):
-        outlined = idle[limb] == POINTS_ONLY
+        outlined = idle[limb] == ONLY_POINTS_POSED
         idle[limb] = 0
         if outlined:
             reset_limb_pose(limb, problem)
@@ -195,7 +195,7 @@ def take_steps(level, fresh, problem):
     if not frees and retreat_root(level, problem):
         tries = LIMITED_LEG_STEPS
     for attempt in range(tries if frees else tries + LATE_LEVEL_STEPS):
-        refines, is_late = whole and attempt >= FIRST_STEPS, attempt >= tries
+        refines, is_late = whole and attempt >= STEPS_BEFORE_FULL_NEWTON, attempt >= tries
         less = 1.0 if frees or balances else DAMPING_DECAY**attempt
         if not take_level_step(level, False, refines, is_late, stays, less, problem) > 0.0:
             break
@@ -342,7 +342,7 @@ def is_level_met(level, problem):
     tasks = problem.tasks
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if row.status == ACTIVE and row.level == level and residual_of(c, problem) >= TASK_MET:
+        if row.status == ACTIVE and row.level == level and residual_of(c, problem) >= TASK_MET_RESIDUAL:
             return False
     return priority_violation(level, True, problem) < ALLOWED_VIOLATION
 

@@ -23,15 +23,15 @@ from studio.core.kernels.limits.root_reach_limit import limit_root_step
 from studio.core.kernels.search.joints import ROOT_TRANSLATION, SOFT_JOINT_LIMIT, scale_along_axis
 from studio.core.kernels.tasks.second_order import INEQUALITY_ROW, add_row_hessian
 
-MAX_ERROR = 0.3
+MAX_ROW_ERROR = 0.3
 """Greatest error of a row in one step, in metres or radians; greater ones are clamped."""
-MAX_STEP = 0.25
+MAX_STEP_DISPLACEMENT = 0.25
 """Greatest displacement of a step in metres; a radian counts as half a metre."""
-SINGULAR_PIVOT = 3e-4
+SINGULAR_PIVOT_FRACTION = 3e-4
 """Fraction of an equality row's pivot that remains after elimination, below which the row counts as dependent on the
 rows before it.
 """
-DEPENDENT_PIVOT = 0.2
+DEPENDENT_PIVOT_FRACTION = 0.2
 """Fraction of an objective row's pivot that remains after elimination, below which the row counts as dependent, while
 errors are large.
 """
@@ -180,7 +180,7 @@ def solve_equalities(equality_count, count, errors, equations):
             if active[j]:
                 system[active_count, column] = gram[i, j]
                 column += 1
-        system[active_count, column] = min(max(errors[i], -MAX_ERROR), MAX_ERROR)
+        system[active_count, column] = min(max(errors[i], -MAX_ROW_ERROR), MAX_ROW_ERROR)
         for j in range(equality_count, count):
             system[active_count, column + 1 + j - equality_count] = gram[i, j]
         active_count += 1
@@ -201,7 +201,7 @@ def eliminate(system, count, columns):
     The last column has the pivots before elimination. Entries below the diagonal are not read.
     """
     for i in range(count):
-        pivot, floor = system[i, i], SINGULAR_PIVOT * system[i, columns]
+        pivot, floor = system[i, i], SINGULAR_PIVOT_FRACTION * system[i, columns]
         inverse = pivot / (pivot * pivot + floor * floor + 1e-24)
         system[i, i] = inverse
         for j in range(i + 1, count):
@@ -250,7 +250,7 @@ def solve_objective(equality_count, count, active_count, damping, rows, chain, e
     own = count - equality_count
     worst = 1e-9
     for i in range(own):
-        coefficients[equality_count + i] = min(max(errors[equality_count + i], -MAX_ERROR), MAX_ERROR)
+        coefficients[equality_count + i] = min(max(errors[equality_count + i], -MAX_ROW_ERROR), MAX_ROW_ERROR)
         worst = max(worst, abs(coefficients[equality_count + i]))
         for j in range(own):
             scratch[i, j] = gram[equality_count + i, equality_count + j]
@@ -291,7 +291,7 @@ def add_limit_curvature(far_off, equality_count, count, rows, limits, directions
         x, y, z, root = damping[k].axis[0], damping[k].axis[1], damping[k].axis[2], damping[k].fraction
         push = 0.0
         for q in range(equality_count, count):
-            clamped_error = min(max(errors[q], -MAX_ERROR), MAX_ERROR)
+            clamped_error = min(max(errors[q], -MAX_ROW_ERROR), MAX_ROW_ERROR)
             push += clamped_error * (x * jacobian[q, k, 0] + y * jacobian[q, k, 1] + z * jacobian[q, k, 2])
         if push <= 0.0:
             continue
@@ -327,7 +327,7 @@ def add_second_order_terms(equality_count, count, active_count, rows, joints, eq
             push = 0.0
             for j in range(equality_count, count):
                 push -= system[rank - 1, active_count + 1 + j - equality_count] * min(
-                    max(errors[j], -MAX_ERROR), MAX_ERROR
+                    max(errors[j], -MAX_ROW_ERROR), MAX_ROW_ERROR
                 )
         if push > 0.0 and point_errors[q].segment >= 0.0:
             add_row_hessian(push, point_errors[q], equality_count, count, joints, equations, positions)
@@ -348,7 +348,7 @@ def solve_positive(normal, count, gram, damping, coefficients, first):
         most = 0.0
         for j in range(i + 1, count):
             most = max(most, abs(normal[j, i]))
-        floor = DEPENDENT_PIVOT * gram[first + i, first + i]
+        floor = DEPENDENT_PIVOT_FRACTION * gram[first + i, first + i]
         pivot = max(normal[i, i], most * most / bound) + damping * floor * floor + 1e-15
         normal[i, i] = pivot
         for j in range(i + 1, count):
@@ -447,16 +447,16 @@ def move_joints(least, chain, segment_rotations, direction, state):
     """
     joints, limits = chain.joints, chain.limits
     longest = longest_displacement(joints, direction)
-    scale = min(1.0, MAX_STEP / max(longest, 1e-9))
+    scale = min(1.0, MAX_STEP_DISPLACEMENT / max(longest, 1e-9))
     if longest <= least:
         return 0.0
     for k in range(joints.shape[0]):
         x, y, z = scale * direction[k, 0], scale * direction[k, 1], scale * direction[k, 2]
         if joints[k].segment == ROOT_TRANSLATION:
             state[k, 0], state[k, 1], state[k, 2] = (
-                rounded(state[k, 0] + x),
-                rounded(state[k, 1] + y),
-                rounded(state[k, 2] + z),
+                round_state(state[k, 0] + x),
+                round_state(state[k, 1] + y),
+                round_state(state[k, 2] + z),
             )
         elif x != 0.0 or y != 0.0 or z != 0.0:
             compose_gibbs(x, y, z, segment_rotations[joints[k].parent], limits[k], state[k])
@@ -484,11 +484,11 @@ def compose_gibbs(x, y, z, parent, limit, state):
         margin = limit - max(math.sqrt(gx * gx + gy * gy + gz * gz), freely)
         most = limit - max(LIMIT_APPROACH * margin, LIMIT_MARGIN * limit)
         scale = min(1.0, most / math.sqrt(squared))
-    state[0], state[1], state[2] = rounded(scale * nx), rounded(scale * ny), rounded(scale * nz)
+    state[0], state[1], state[2] = round_state(scale * nx), round_state(scale * ny), round_state(scale * nz)
 
 
 @small_kernel
-def rounded(value):
+def round_state(value):
     """``value`` rounded to a multiple of 2^-34, so that it does not depend on the order of a sum.
 
     The result of a level must not depend on the number of joints that other levels free, not even by rounding.

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
+from studio.core.kernels import measure_columns as measure
 from studio.core.kernels.algebra.rotation_matrices import rotation_vector_to_matrix
 from studio.core.kernels.algebra.rotation_tuples import (
     aim_z_axis,
@@ -205,19 +206,19 @@ def place_arms(measures, arms, positions, rotations):
 def place_arm(frame, side, measures, arms, pose):
     """Place one arm of one frame: shoulder on the clavicle, wrist at its target, hand with its target rotation."""
     channels, wrist = arms.channels[frame], arms.wrists[side, frame]
-    spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
+    spine_count = (measures.shape[0] - measure.SPINE) // 3
     shoulder, upper_arm = (
         spine_count + SHOULDER_POINT + POINTS_PER_LIMB * side,
         spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side,
     )
-    t = at.LIMB_TWIST + 2 * side
+    t = channel.LIMB_TWIST + 2 * side
     parent = compose(
         rotation_from_matrix(pose.rotations[spine_count - 1]),
-        rotation_from_quaternion(channels, at.CLAVICLE + 4 * side),
+        rotation_from_quaternion(channels, channel.CLAVICLE + 4 * side),
     )
-    axes = compose(parent, rotation_from_quaternion(channels, at.LIMB_FRAME + 4 * side))
+    axes = compose(parent, rotation_from_quaternion(channels, channel.LIMB_FRAME + 4 * side))
     origin = pose.positions[shoulder]
-    upper, lower = measures[at.MEASURE_ARM + 2 * side], measures[at.MEASURE_ARM + 2 * side + 1]
+    upper, lower = measures[measure.ARM + 2 * side], measures[measure.ARM + 2 * side + 1]
     length = upper + lower
     x, y, z = wrist[0] - origin[0], wrist[1] - origin[1], wrist[2] - origin[2]
     distance = math.sqrt(x * x + y * y + z * z)
@@ -226,12 +227,12 @@ def place_arm(frame, side, measures, arms, pose):
     limb = LimbShape(
         (upper, lower),
         max(length * soft_extension(distance / length, arms.soft_thresholds[side, frame]), abs(upper - lower) + 1e-6),
-        channels[at.LIMB_OFF_PLANE + side] * length,
+        channels[channel.LIMB_OFF_PLANE + side] * length,
         arms.bends[side, frame],
         (channels[t], channels[t + 1]),
     )
     end, _ = place_limb(shoulder, upper_arm, axes, limb, pose)
     rotation = rotation_from_matrix(arms.hands[side, frame])
     write_rotation(rotation, pose.rotations[upper_arm + 2])
-    m = at.MEASURE_HAND + 3 * side
+    m = measure.HAND + 3 * side
     write_transformed_point(end, rotation, measures[m], measures[m + 1], measures[m + 2], pose.positions[shoulder + 3])

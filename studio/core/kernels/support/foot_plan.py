@@ -11,7 +11,7 @@ from studio.core.kernels.records import Array
 from studio.core.kernels.support.foot_anchoring import anchor_ankles
 from studio.core.kernels.support.foot_rotation import level_soles, level_toes, limit_foot_pitch
 from studio.core.kernels.support.heel_roll import lift_heels, tiptoe_pitches
-from studio.core.kernels.support.sole import ANKLE_HEIGHT, TOE_Z, tip_rise
+from studio.core.kernels.support.sole import SOLE_ANKLE_HEIGHT, TOE_Z, tip_rise
 
 
 class FootPlan(NamedTuple):
@@ -52,7 +52,7 @@ def plan_foot(states, soles, height, is_level, reach, balls, plan):
         rises = np.empty(count)
         for frame in range(count):
             sole = soles[frame if soles.shape[0] > 1 else 0]
-            rises[frame] = balls[frame] - height - sole[ANKLE_HEIGHT] - sole[TOE_Z]
+            rises[frame] = balls[frame] - height - sole[SOLE_ANKLE_HEIGHT] - sole[TOE_Z]
         tiptoe_pitches(soles, states, rises, reach, pitches)
         for frame in range(count):
             sole = soles[frame if soles.shape[0] > 1 else 0]

@@ -10,8 +10,8 @@ from studio.core.kernels.compiling import allocating_kernel, kernel, small_kerne
 from studio.core.kernels.support.foot_rotation import correct_rotation
 from studio.core.kernels.support.gap_interpolation import fade_into_gaps, interpolate_gaps, release_weights
 from studio.core.kernels.support.sole import (
-    ANKLE_HEIGHT,
     HEEL_STANDS,
+    SOLE_ANKLE_HEIGHT,
     TOE_LENGTH,
     TOE_STANDS,
     TOE_X,
@@ -20,20 +20,20 @@ from studio.core.kernels.support.sole import (
     pivot_offsets,
 )
 
-HEEL_RELEASE = 0.6
+HEEL_RELEASE_FRACTION = 0.6
 """Fraction of the release time after which a heel has its captured height."""
-ROLL_RELEASE = 0.5 * HEEL_RELEASE
+ROLL_RELEASE_FRACTION = 0.5 * HEEL_RELEASE_FRACTION
 """Fraction of the release time after which a heel rolls as far as its leg requires."""
-STEEP_FOOT = -0.6, -0.9
+STEEP_FOOT_FORWARD_Z = -0.6, -0.9
 """Vertical components of a foot's forward axis between which raising the heel fades to zero; lowering it does not fade.
 """
 ROLL_MARGIN = 0.01
 """Margin before the end of the leg's reach, as a fraction of the reach, at which a foot begins to roll."""
-STEEPEST_TOE_ROLL = math.radians(70.0)
+STEEPEST_ROLL_PITCH = math.radians(70.0)
 """Greatest downward pitch in radians of a rolling foot, approached softly: a steeper foot would stand on its tip."""
 LEAST_ROLL_GAIN = 0.4
 """Least gain of leg length per radian of roll, as a fraction of the distance from the ankle to the pivot."""
-STEEPEST_TOE = 1.0
+STEEPEST_TOE_PITCH = 1.0
 """Greatest downward pitch in radians of toes on their tips, approached softly."""
 TIPTOE_RISE = 0.1
 """Rise of a ball, in toe lengths, at which a foot begins to roll over the tip: soles of standing feet seem to rise by
@@ -54,12 +54,14 @@ def tiptoe_pitches(soles, states, heights, reach, out_pitches):
     ``heights`` (F,) in metres of the toe joint above its height in a flat foot, as retargeted; ``soles`` (F or 1, 6)
     and ``states`` (F,) of ``kernels.support.sole``; ``reach`` in frames.
     """
-    rolling_weights(states, HEEL_RELEASE * reach, out_pitches)
+    rolling_weights(states, HEEL_RELEASE_FRACTION * reach, out_pitches)
     for frame in range(states.shape[0]):
         length = soles[frame if soles.shape[0] > 1 else 0, TOE_LENGTH]
         if out_pitches[frame] != 0.0:
             over = max(heights[frame] / max(length, 1e-3) - TIPTOE_RISE, 0.0)
-            out_pitches[frame] *= STEEPEST_TOE * math.tanh(over * over / (over + SOFT_TIPTOE_RISE) / STEEPEST_TOE)
+            out_pitches[frame] *= STEEPEST_TOE_PITCH * math.tanh(
+                over * over / (over + SOFT_TIPTOE_RISE) / STEEPEST_TOE_PITCH
+            )
 
 
 @allocating_kernel
@@ -72,16 +74,21 @@ def lift_heels(soles, states, heights, reach, fade, rotations):
     """
     count = states.shape[0]
     corrections, free, left_over = np.zeros((count, 3)), np.empty(count), np.zeros(count)
-    rolling_weights(states, HEEL_RELEASE * reach, free)
+    rolling_weights(states, HEEL_RELEASE_FRACTION * reach, free)
     stance_pitch_offsets(soles, states, heights, rotations, left_over)
     for frame in range(count):
         if free[frame] == 0.0:
             continue
         foot, sole = rotations[frame], soles[frame if soles.shape[0] > 1 else 0]
-        fraction = smoothstep(min(max((foot[2, 0] - STEEP_FOOT[1]) / (STEEP_FOOT[0] - STEEP_FOOT[1]), 0.0), 1.0))
+        fraction = smoothstep(
+            min(
+                max((foot[2, 0] - STEEP_FOOT_FORWARD_Z[1]) / (STEEP_FOOT_FORWARD_Z[0] - STEEP_FOOT_FORWARD_Z[1]), 0.0),
+                1.0,
+            )
+        )
         if foot[2, 2] < 0.0:
             continue
-        missing = pitch_for_height(foot, sole, heights[frame] - sole[ANKLE_HEIGHT] - sole[TOE_Z])
+        missing = pitch_for_height(foot, sole, heights[frame] - sole[SOLE_ANKLE_HEIGHT] - sole[TOE_Z])
         level = math.asin(min(max(foot[2, 0], -1.0), 0.0))  # no farther up, or the ball would leave the ground
         pitch = limited_toe_pitch(foot, max(missing - (1.0 - free[frame]) * left_over[frame], level))
         pitch *= fraction if pitch > 0.0 else 1.0
@@ -111,7 +118,7 @@ def stance_pitch_offsets(soles, states, heights, rotations, out_pitches):
                 sole = soles[frame if soles.shape[0] > 1 else 0]
                 gap, missing = (
                     0.0,
-                    pitch_for_height(rotations[frame], sole, heights[frame] - sole[ANKLE_HEIGHT] - sole[TOE_Z]),
+                    pitch_for_height(rotations[frame], sole, heights[frame] - sole[SOLE_ANKLE_HEIGHT] - sole[TOE_Z]),
                 )
             if gap < gaps[frame]:
                 gaps[frame], out_pitches[frame] = gap, missing
@@ -138,7 +145,7 @@ def rolling_weights(states, reach, out_weights):
 @small_kernel
 def limited_toe_pitch(foot, pitch):
     """``pitch`` in radians, limited softly so that the ``foot`` (3, 3) does not stand on its tip."""
-    margin = max(STEEPEST_TOE_ROLL + math.asin(min(max(foot[2, 0], -1.0), 1.0)), 1e-3)
+    margin = max(STEEPEST_ROLL_PITCH + math.asin(min(max(foot[2, 0], -1.0), 1.0)), 1e-3)
     return margin * math.tanh(pitch / margin) if pitch > 0.0 else pitch
 
 
@@ -187,8 +194,8 @@ def roll_feet(soles, states, pitches, reach, ankles, feet):
     count = states.shape[0]
     rotations, moves, fractions = np.zeros((count, 3)), np.zeros((count, 3)), np.empty((2, count))
     rotation, offsets = np.empty((3, 3)), np.empty((2, 3))
-    release_weights((states & TOE_STANDS) != 0, ROLL_RELEASE * reach, fractions[0])
-    rolling_weights(states, ROLL_RELEASE * reach, fractions[1])
+    release_weights((states & TOE_STANDS) != 0, ROLL_RELEASE_FRACTION * reach, fractions[0])
+    rolling_weights(states, ROLL_RELEASE_FRACTION * reach, fractions[1])
     for frame in range(count):
         foot, sole = feet[frame], soles[frame if soles.shape[0] > 1 else 0]
         pivot = 0 if states[frame] == HEEL_STANDS else 1

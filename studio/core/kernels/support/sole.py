@@ -10,7 +10,7 @@ import math
 from studio.core.kernels.algebra.smooth_steps import smoothstep
 from studio.core.kernels.compiling import kernel, small_kernel
 
-TOE_X, TOE_Y, TOE_Z, ANKLE_HEIGHT, SOLE_HEEL_LENGTH, TOE_LENGTH = range(6)
+TOE_X, TOE_Y, TOE_Z, SOLE_ANKLE_HEIGHT, SOLE_HEEL_LENGTH, TOE_LENGTH = range(6)
 """Columns of a ``sole``: vector from ankle to toe joint in the foot's axes, height of the ankle above the sole,
 horizontal distance of the heel behind the ankle, length of the toe.
 """
@@ -22,11 +22,11 @@ HEEL_STANDS = 1
 TOE_STANDS = 2
 SOLE_STANDS = 3
 """Bits of a foot's state: the heel stands, the toe stands; both for a foot that stands on its sole."""
-LYING_ASIDE = 0.35
+LYING_LEFT_AXIS_Z = 0.35
 """Vertical component of a foot's left axis from which the foot begins to lie on its side; from twice this on it does
 completely.
 """
-SOLE_DOWN = 0.5
+STANDING_UP_AXIS_Z = 0.5
 """Vertical component of a foot's upward axis from which the foot stands on its sole."""
 
 
@@ -34,7 +34,12 @@ SOLE_DOWN = 0.5
 def ball_above_heel(rotation, sole):
     """Height in metres of the ball's sole above the heel's; 0 for a level foot."""
     ball = rotation[2, 0] * sole[TOE_X] + rotation[2, 1] * sole[TOE_Y] + rotation[2, 2] * sole[TOE_Z] - sole[TOE_Z]
-    return ball - sole[ANKLE_HEIGHT] + rotation[2, 0] * sole[SOLE_HEEL_LENGTH] + rotation[2, 2] * sole[ANKLE_HEIGHT]
+    return (
+        ball
+        - sole[SOLE_ANKLE_HEIGHT]
+        + rotation[2, 0] * sole[SOLE_HEEL_LENGTH]
+        + rotation[2, 2] * sole[SOLE_ANKLE_HEIGHT]
+    )
 
 
 @kernel
@@ -52,8 +57,8 @@ def set_heading(matrix, along, across):
 @kernel
 def lying_aside(rotation):
     """Fraction to which a foot or toe (3, 3) lies on its side: 0 with its sole down, at any pitch, 1 on its side."""
-    rolled = smoothstep(min(max(abs(rotation[2, 1]) / LYING_ASIDE - 1.0, 0.0), 1.0))
-    return rolled * smoothstep(min(max((SOLE_DOWN - rotation[2, 2]) / LYING_ASIDE, 0.0), 1.0))
+    rolled = smoothstep(min(max(abs(rotation[2, 1]) / LYING_LEFT_AXIS_Z - 1.0, 0.0), 1.0))
+    return rolled * smoothstep(min(max((STANDING_UP_AXIS_Z - rotation[2, 2]) / LYING_LEFT_AXIS_Z, 0.0), 1.0))
 
 
 @kernel
@@ -97,7 +102,7 @@ def toe_offset(rotation, sole, out_offset):
 def pivot_offsets(rotation, sole, out_offsets):
     """Write the world vectors (2, 3) from the ankle to the lower edge of the heel and to the toe joint."""
     for axis in range(3):
-        out_offsets[0, axis] = -rotation[axis, 0] * sole[SOLE_HEEL_LENGTH] - rotation[axis, 2] * sole[ANKLE_HEIGHT]
+        out_offsets[0, axis] = -rotation[axis, 0] * sole[SOLE_HEEL_LENGTH] - rotation[axis, 2] * sole[SOLE_ANKLE_HEIGHT]
     toe_offset(rotation, sole, out_offsets[1])
 
 
@@ -117,7 +122,7 @@ def tip_rise(sole, pitch):
     """Height in metres by which the ball is above its height in a flat foot when the toe points down by ``pitch``
     radians.
     """
-    return sole[TOE_LENGTH] * math.sin(pitch) - (sole[ANKLE_HEIGHT] + sole[TOE_Z]) * (1.0 - math.cos(pitch))
+    return sole[TOE_LENGTH] * math.sin(pitch) - (sole[SOLE_ANKLE_HEIGHT] + sole[TOE_Z]) * (1.0 - math.cos(pitch))
 
 
 @kernel
@@ -126,7 +131,7 @@ def tip_offset(rotation, sole, pitch, offsets):
 
     ``offsets`` (3, 3) begin with the vectors of ``stance_offsets``.
     """
-    length, thick = sole[TOE_LENGTH], sole[ANKLE_HEIGHT] + sole[TOE_Z]
+    length, thick = sole[TOE_LENGTH], sole[SOLE_ANKLE_HEIGHT] + sole[TOE_Z]
     c, s = math.cos(pitch), math.sin(pitch)
     along, across = toe_heading(rotation)
     ahead = (length * c - thick * s) / max(math.sqrt(along * along + across * across), 1e-9)
@@ -143,6 +148,6 @@ def sole_height(rotation, toe_drop, sole):
 
     ``toe_drop`` is the vertical component of the vector from ankle to toe joint.
     """
-    heel = rotation[2, 0] * sole[SOLE_HEEL_LENGTH] + rotation[2, 2] * sole[ANKLE_HEIGHT]
-    ball = sole[ANKLE_HEIGHT] + sole[TOE_Z] - toe_drop
+    heel = rotation[2, 0] * sole[SOLE_HEEL_LENGTH] + rotation[2, 2] * sole[SOLE_ANKLE_HEIGHT]
+    ball = sole[SOLE_ANKLE_HEIGHT] + sole[TOE_Z] - toe_drop
     return max(heel, ball)

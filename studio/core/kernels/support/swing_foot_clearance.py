@@ -10,7 +10,7 @@ import numpy as np
 from studio.core.kernels.algebra.smooth_steps import penetration_correction, smoothstep
 from studio.core.kernels.compiling import allocating_kernel, kernel, small_kernel
 from studio.core.kernels.support.sole import (
-    ANKLE_HEIGHT,
+    SOLE_ANKLE_HEIGHT,
     SOLE_HEEL_LENGTH,
     TOE_LENGTH,
     TOE_STANDS,
@@ -24,13 +24,13 @@ SWING_CLEARANCE = 0.2
 """Height above the floor, as a fraction of the ankle's height, below which a swing foot begins to rise; at floor level
 it is raised by 3/16 of this.
 """
-SWING_FADE = 0.15
+SWING_FADE_SECONDS = 0.15
 """Seconds from its nearest contact within which a foot becomes free, and its clearance grows from zero."""
 TOE_BEND_FADE = 0.6
 """Horizontal extent of a toe, as a fraction of its length, below which the bend fades: the ankle is raised instead for
 a toe that points down.
 """
-TOE_BEND_LEAD = SWING_FADE / 4.0
+TOE_BEND_LEAD_SECONDS = SWING_FADE_SECONDS / 4.0
 """Seconds before and after a necessary bend by which toes are bent, and over which the bend is averaged."""
 MAX_TOE_BEND = math.radians(85.0)
 """Greatest upward bend of the toes in radians, approached softly."""
@@ -48,7 +48,7 @@ def raise_swing_foot(soles, states, ground, frame_rate, ankles, feet, toes):
     clearance_weights(states, TOE_STANDS, frame_rate, weights[0])
     clearance_weights(states, 3, frame_rate, weights[1])
     toe_bends(soles, states, ground, weights[0], ankles, feet, toes, bends)
-    smooth_toe_bends((states & TOE_STANDS) != 0, round(TOE_BEND_LEAD * frame_rate), bends, bent_early)
+    smooth_toe_bends((states & TOE_STANDS) != 0, round(TOE_BEND_LEAD_SECONDS * frame_rate), bends, bent_early)
     for frame in range(count):
         bend_toe_up(bent_early[frame], toes[frame])
     raise_ankles(soles, states, ground, weights[1], ankles, feet, toes)
@@ -65,8 +65,8 @@ def toe_bends(soles, states, ground, weights, ankles, feet, toes, out_bends):
         if upright == 0.0 or states[frame] & TOE_STANDS:
             continue
         margin, thickness = (
-            SWING_CLEARANCE * max(sole[ANKLE_HEIGHT], 0.0) * weights[frame],
-            sole[ANKLE_HEIGHT] + sole[TOE_Z],
+            SWING_CLEARANCE * max(sole[SOLE_ANKLE_HEIGHT], 0.0) * weights[frame],
+            sole[SOLE_ANKLE_HEIGHT] + sole[TOE_Z],
         )
         joint = (
             ankles[frame, 2] + foot[2, 0] * sole[TOE_X] + foot[2, 1] * sole[TOE_Y] + foot[2, 2] * sole[TOE_Z] - ground
@@ -109,21 +109,21 @@ def raise_ankles(soles, states, ground, weights, ankles, feet, toes):
         upright = sole_down_fraction(foot)
         if upright == 0.0 or states[frame] != 0:
             continue
-        margin = SWING_CLEARANCE * max(sole[ANKLE_HEIGHT], 0.0) * weights[frame]
+        margin = SWING_CLEARANCE * max(sole[SOLE_ANKLE_HEIGHT], 0.0) * weights[frame]
         joint = (
             ankles[frame, 2] + foot[2, 0] * sole[TOE_X] + foot[2, 1] * sole[TOE_Y] + foot[2, 2] * sole[TOE_Z] - ground
         )
         toe = toes[frame]
-        tip = joint + toe[2, 0] * sole[TOE_LENGTH] - toe[2, 2] * (sole[ANKLE_HEIGHT] + sole[TOE_Z])
-        ball = joint - max(foot[2, 2], toe[2, 2]) * (sole[ANKLE_HEIGHT] + sole[TOE_Z])
-        heel = ankles[frame, 2] - ground - foot[2, 0] * sole[SOLE_HEEL_LENGTH] - foot[2, 2] * sole[ANKLE_HEIGHT]
+        tip = joint + toe[2, 0] * sole[TOE_LENGTH] - toe[2, 2] * (sole[SOLE_ANKLE_HEIGHT] + sole[TOE_Z])
+        ball = joint - max(foot[2, 2], toe[2, 2]) * (sole[SOLE_ANKLE_HEIGHT] + sole[TOE_Z])
+        heel = ankles[frame, 2] - ground - foot[2, 0] * sole[SOLE_HEEL_LENGTH] - foot[2, 2] * sole[SOLE_ANKLE_HEIGHT]
         ankles[frame, 2] += upright * penetration_correction(min(tip, ball, heel), margin)
 
 
 @kernel
 def clearance_weights(states, bits, frame_rate, out_weights):
     """Write the weights (F,) of the clearance: 0 in frames whose state has any of ``bits``, fading to 1 in the air."""
-    count, reach = states.shape[0], SWING_FADE * frame_rate
+    count, reach = states.shape[0], SWING_FADE_SECONDS * frame_rate
     gap = reach
     for frame in range(count):
         gap = 0.0 if states[frame] & bits else gap + 1.0

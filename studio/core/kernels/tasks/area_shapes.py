@@ -27,13 +27,13 @@ AREA_NUMBERS = AREA_ROTATION + 9
 (``kernels.tasks.mesh_distance_field``).
 """
 
-TABLE_EDGE = 0.1
+TABLE_EDGE_WIDTH = 0.1
 """Distance in metres from a table's edge within which its outward direction turns sideways, so that a hand from the
 side does not pop, and from its lower face within which the direction turns downwards.
 """
 MARGIN_BISECTIONS = 32
 """Number of bisections of a path by which the end of a margin is found."""
-AREA_ENGAGED = 1e-6
+AREA_ENGAGED_DEPTH = 1e-6
 """Depth in metres of a point in an area from which its task is engaged."""
 
 
@@ -67,7 +67,7 @@ def activate_area(row, area, pose):
     """
     point = end_position(row, 0, pose)
     depth, position = nearest_allowed_point(area, point)
-    if depth > AREA_ENGAGED:
+    if depth > AREA_ENGAGED_DEPTH:
         row.engaged = 1
         copy_point(interpolate_point(point, position, row.goal_distance), row.goal_positions[0])
         return True
@@ -246,7 +246,7 @@ def nearest_on_box(x, y, z, a, b, h, inside, upwards):
         return min(max(x, -a), a), min(max(y, -b), b), min(max(z, -h), h)
     if abs(x) >= a or abs(y) >= b or abs(z) >= h:
         return x, y, z
-    if upwards and h + z > min(TABLE_EDGE, h):
+    if upwards and h + z > min(TABLE_EDGE_WIDTH, h):
         return nearest_on_table(x, y, z, a, b, h)
     left, right, over = a - abs(x), b - abs(y), h - abs(z)
     if left <= right and left <= over:
@@ -263,9 +263,9 @@ def nearest_on_table(x, y, z, a, b, h):
 
     The result is continuous inside, and equals the point at the top and the sides.
     """
-    edge = min(TABLE_EDGE, a, b)
+    edge = min(TABLE_EDGE_WIDTH, a, b)
     inner_x, inner_y = min(max(x, edge - a), a - edge), min(max(y, edge - b), b - edge)
-    below = max(z - TABLE_EDGE, -h)
+    below = max(z - TABLE_EDGE_WIDTH, -h)
     out_x, out_y, up = x - inner_x, y - inner_y, z - below
     far = (h - below) / up
     if out_x != 0.0:

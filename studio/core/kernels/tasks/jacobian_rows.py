@@ -13,8 +13,8 @@ from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.body_indices import HIP_POINT, POINTS_BESIDE_SPINE, POINTS_PER_LIMB
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limits.root_reach_limit import root_reach_of
+from studio.core.kernels.search.chain_reach import reachable_target
 from studio.core.kernels.search.joints import add_point_jacobian, add_rotation_jacobian, may_rotate
-from studio.core.kernels.search.reachability import reachable_target
 from studio.core.kernels.tasks.balance import accumulate_masses, add_arm_jacobian, write_balance_jacobian
 from studio.core.kernels.tasks.goals import (
     RADIAN_LENGTH,
@@ -28,7 +28,7 @@ from studio.core.kernels.tasks.goals import (
     links_two_points,
 )
 from studio.core.kernels.tasks.limb_rows import (
-    NEARLY_MET_LIMB,
+    NEARLY_MET_LIMB_RESIDUAL,
     add_point_rows,
     add_reach_rows,
     add_secondary_row,
@@ -100,13 +100,13 @@ def add_rows(c, level, weight_row, is_held, count, problem):
             if row.status == DROPPED and row.limbs[end] >= 0:
                 count = add_dropped_task_row(c, level, end, weight_row, count, problem)
                 continue
-            if is_held and links_two_points(row) and row.kept_residual > NEARLY_MET_LIMB:
+            if is_held and links_two_points(row) and row.kept_residual > NEARLY_MET_LIMB_RESIDUAL:
                 if end == 0:
                     count = add_separation_row(c, weight_row, count, problem)
                 continue
             aims = not row.stiff or row.segment_weights[end, 0] == 1.0
             if free and aims:
-                if row.secondary and row.kept_residual > NEARLY_MET_LIMB:
+                if row.secondary and row.kept_residual > NEARLY_MET_LIMB_RESIDUAL:
                     count = add_swivel_row(c, end, weight_row, count, problem)
                 count = add_reach_rows(c, row, end, weight_row, is_held, count, problem)
             elif free or (end == 0 and not is_distance(row)):
@@ -136,7 +136,7 @@ def add_rotation_rows(row, weight_row, is_held, count, problem):
     chain, pose, task_rows = problem.chain, problem.pose, problem.search.rows
     segment = row.segments[0]
     if row.limbs[0] >= 0:
-        if not is_held or row.kept_residual <= NEARLY_MET_LIMB:
+        if not is_held or row.kept_residual <= NEARLY_MET_LIMB_RESIDUAL:
             return count
         error = rotation_error(row.goal_rotation, pose.rotations[segment])
         size = length(error)

@@ -16,17 +16,17 @@ from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb_limits import effective_point
 from studio.core.kernels.limbs.limb_tasks import NEGLIGIBLE_ERROR
 from studio.core.kernels.search.joints import add_point_jacobian, add_rotation_jacobian
-from studio.core.kernels.search.null_space_step import MAX_ERROR
+from studio.core.kernels.search.null_space_step import MAX_ROW_ERROR
 from studio.core.kernels.tasks.goals import end_position, is_position
 from studio.core.kernels.tasks.second_order import EQUALITY_ROW, INEQUALITY_ROW, begin_zero_row, set_point_error
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.kernels.tasks.task_status import ACTIVE
 
-NEARLY_MET_LIMB = 2.5 * PRIORITY_TOLERANCE
+NEARLY_MET_LIMB_RESIDUAL = 2.5 * PRIORITY_TOLERANCE
 """Residual in metres up to which a higher task holds its limb's reach, and beyond which it holds the position of the
 limb's root.
 """
-LIMB_FALLS_SHORT = 10.0 * PRIORITY_TOLERANCE
+LIMB_SHORT_RESIDUAL = 10.0 * PRIORITY_TOLERANCE
 """Residual in metres from which the root of a limb that falls short is held completely; less is held in proportion."""
 LEAST_SWIVEL_LEVER = 0.01
 """Least lever, in metres per radian of swivel, of a limb's secondary task for its residual to be held by the swivel."""
@@ -90,7 +90,7 @@ def add_reach_rows(c, row, end, weight_row, is_held, count, problem):
     span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     per = 1.0 / span
     reach, fold = row.goal_reaches[end], min(row.min_reach[end], row.goal_reaches[end])
-    second = row.secondary and row.kept_residual <= NEARLY_MET_LIMB
+    second = row.secondary and row.kept_residual <= NEARLY_MET_LIMB_RESIDUAL
     if limits.shape[0] > 0 and (limits[limb].blocked_task == c or (second and limits[limb].blocked_task >= 0)):
         before = count
         count = add_limited_row(row, end, weight_row, is_held, count, (point, goal), problem)
@@ -104,7 +104,7 @@ def add_reach_rows(c, row, end, weight_row, is_held, count, problem):
     link = LimbLink(root, parent, (per * x, per * y, per * z), span, fold, reach)
     if not is_held:
         return add_link_row(link, row.slack[end], weight_row, count, problem)
-    if row.kept_residual > NEARLY_MET_LIMB:
+    if row.kept_residual > NEARLY_MET_LIMB_RESIDUAL:
         return hold_root(link, row, end, weight_row, count, problem)
     return bound_link(link, weight_row, count, problem)
 
@@ -122,7 +122,7 @@ def add_link_row(link, slack, weight_row, count, problem):
     shoulder = positions[link.root]
     begin_zero_row(task_rows, count, weight_row, error)
     add_point_jacobian(shoulder, x, y, z, link.carrier, chain.joints, positions, task_rows.jacobian[count])
-    clamped_error = min(max(error, -MAX_ERROR), MAX_ERROR)
+    clamped_error = min(max(error, -MAX_ROW_ERROR), MAX_ROW_ERROR)
     along = math.copysign(link.span, error)
     set_point_error(
         task_rows.point_errors[count],
@@ -142,7 +142,7 @@ def hold_root(link, row, end, weight_row, count, problem):
     task_rows, shoulder, first = problem.search.rows, problem.pose.positions[link.root], count
     if is_point_held(shoulder, link.carrier, count, task_rows):
         return count
-    held, kept = min(row.kept_residual / LIMB_FALLS_SHORT, 1.0), row.kept_roots[end]
+    held, kept = min(row.kept_residual / LIMB_SHORT_RESIDUAL, 1.0), row.kept_roots[end]
     x, y, z = kept[0] - shoulder[0], kept[1] - shoulder[1], kept[2] - shoulder[2]
     count = add_point_rows(shoulder, link.carrier, x, y, z, weight_row, count, problem)
     set_point_error(task_rows.point_errors[first], x, y, z, 0.0, shoulder, link.carrier)
@@ -252,7 +252,7 @@ def add_secondary_row(c, weight_row, count, problem):
     x, y, z = x / span, y / span, z / span
     begin_zero_row(task_rows, count, weight_row, error)
     add_point_jacobian(shoulder, x, y, z, parent, chain.joints, pose.positions, task_rows.jacobian[count])
-    clamped_error = min(max(error, -MAX_ERROR), MAX_ERROR)
+    clamped_error = min(max(error, -MAX_ROW_ERROR), MAX_ROW_ERROR)
     set_point_error(
         task_rows.point_errors[count],
         clamped_error * x,
@@ -309,7 +309,7 @@ def add_limited_row(row, end, weight_row, is_held, count, aim, problem):
     x, y, z, error = x / size, y / size, z / size, size - kept
     begin_zero_row(task_rows, count, weight_row, error)
     add_point_jacobian(point, x, y, z, parent, chain.joints, pose.positions, task_rows.jacobian[count])
-    clamped_error = min(max(error, -MAX_ERROR), MAX_ERROR)
+    clamped_error = min(max(error, -MAX_ROW_ERROR), MAX_ROW_ERROR)
     radius = reach_curvature_radius(x, y, z, point, pose.positions[root])
     centre = point[0] - radius * x, point[1] - radius * y, point[2] - radius * z
     set_point_error(

@@ -8,7 +8,7 @@ from studio.core.kernels.compiling import kernel
 from studio.core.kernels.tasks.goals import LOOK_AT_TASK, end_position
 from studio.core.kernels.tasks.task_status import PINNED_TO_RESIDUAL, PINNED_TO_ROTATION
 
-LOOKS_AWAY = 1.0
+LOOKING_AWAY_ANGLE = 1.0
 """Residual in radians from which a held look-at task keeps its rotation instead of its residual, which has no clear
 direction there.
 """
@@ -42,7 +42,7 @@ def constrains_gaze(row):
     """True if a held look-at task keeps its angle to the target when the eyes move; False if it looks away from the
     target.
     """
-    return row.kind == LOOK_AT_TASK and row.kept_residual < LOOKS_AWAY
+    return row.kind == LOOK_AT_TASK and row.kept_residual < LOOKING_AWAY_ANGLE
 
 
 @kernel
@@ -66,6 +66,6 @@ def gaze_direction(start, target, eye, fraction):
 def pin_look(row, pose):
     """Pin a look-at task to its residual, or to its rotation in ``pose`` if it looks away from the target."""
     row.pinned = PINNED_TO_RESIDUAL
-    if row.blended_residual >= LOOKS_AWAY:
+    if row.blended_residual >= LOOKING_AWAY_ANGLE:
         row.pinned, row.blended_residual = PINNED_TO_ROTATION, 0.0
         copy_matrix(pose.rotations[row.segments[0]], row.goal_rotation)

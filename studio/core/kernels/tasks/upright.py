@@ -20,7 +20,7 @@ from studio.core.kernels.search.joints import add_rotation_jacobian
 from studio.core.kernels.tasks.goals import RADIAN_LENGTH
 from studio.core.kernels.tasks.second_order import INEQUALITY_ROW, begin_zero_row
 
-NARROW_CONE = 0.05
+NARROW_CONE_ANGLE = 0.05
 """Angle in radians of a cone below which a held axis is held in both directions: near the tip no single direction leads
 out of the cone.
 """
@@ -103,7 +103,7 @@ def add_upright_rows(row, weight_row, is_held, count, problem):
     if not is_held and beyond <= 0.0:
         return count
     count = add_axis_row((x, y, z), beyond, row, weight_row, count, problem)
-    if is_held and most < NARROW_CONE:
+    if is_held and most < NARROW_CONE_ANGLE:
         goal = upright_direction(row, pose)
         across = y * goal[2] - z * goal[1], z * goal[0] - x * goal[2], x * goal[1] - y * goal[0]
         if beyond < 0.0:

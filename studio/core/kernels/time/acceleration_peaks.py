@@ -20,13 +20,13 @@ from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.search.joints import ROOT_TRANSLATION
 from studio.core.kernels.tasks.goals import RADIAN_LENGTH
 
-ADDED_PEAK, TOTAL_PEAK = 1.2, 2.0
+ADDED_PEAK_FRACTION, TOTAL_PEAK_FRACTION = 1.2, 2.0
 """Fractions of the source's greatest peak: greatest peak that each joint of the search may add, and greatest peak of
 limbs in all, before anything is smoothed.
 """
-CALM_PEAK = 0.45 * TOTAL_PEAK
+CALM_PEAK_FRACTION = 0.45 * TOTAL_PEAK_FRACTION
 """Greatest world acceleration of the bones of a skipped limb, as a fraction of the source's peak. A joint has at most
-the sum of its bones' accelerations, which then is below ``TOTAL_PEAK``.
+the sum of its bones' accelerations, which then is below ``TOTAL_PEAK_FRACTION``.
 """
 
 
@@ -55,7 +55,7 @@ def update_acceleration_peaks(frame, clip):
     easing, motion, turned = clip.easing, clip.motion, 0.0
     middle, per_second = frame - 1, easing.rate[0] * easing.rate[0]
     write_searched_peaks(middle, clip.constraints.chain.joints, easing.states, per_second, easing.peaks)
-    calm = CALM_PEAK * easing.allowed_peak[0] / per_second
+    calm = CALM_PEAK_FRACTION * easing.allowed_peak[0] / per_second
     for limb in range(4):
         if easing.limbs[limb] and not is_calm(limb, middle, calm * calm, motion.positions, motion.rotations):
             turned = max(turned, limb_acceleration(limb, middle, motion.rotations))

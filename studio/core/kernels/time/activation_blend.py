@@ -33,7 +33,7 @@ from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb_limits import effective_point
-from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND, NEGLIGIBLE_ERROR
+from studio.core.kernels.limbs.limb_tasks import BLENDED_POSE_KEPT, NEGLIGIBLE_ERROR
 from studio.core.kernels.search.body_placement import pose_body, solve_limbs
 from studio.core.kernels.search.level_step import ALLOWED_VIOLATION
 from studio.core.kernels.search.levels import priority_violation, restore_feasibility, save_task_results
@@ -45,7 +45,7 @@ from studio.core.kernels.tasks.goals import (
     is_position,
     is_rotation,
 )
-from studio.core.kernels.tasks.limb_rows import LIMB_FALLS_SHORT
+from studio.core.kernels.tasks.limb_rows import LIMB_SHORT_RESIDUAL
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.kernels.tasks.task_kinds import residual_of
 from studio.core.kernels.tasks.task_status import (
@@ -57,7 +57,7 @@ from studio.core.kernels.tasks.task_status import (
     pin_to_residual,
 )
 
-DROPPED_IN_KEPT = 2
+TASK_DROPPED_IN_SAVED_POSE = 2
 """Value of ``blended_limbs`` for a limb whose task was dropped in the saved pose, while the next pose is solved."""
 
 STRAIGHT_LIMB_TOLERANCE = 0.01
@@ -88,7 +88,7 @@ def save_solution(first, problem):
         row = tasks[c]
         if first:
             row.blended_residual = residual_of(c, problem) if row.status != INACTIVE else 0.0
-        mark_blended_limbs(row, DROPPED_IN_KEPT, search.blended_limbs)
+        mark_blended_limbs(row, TASK_DROPPED_IN_SAVED_POSE, search.blended_limbs)
 
 
 @kernel
@@ -157,7 +157,7 @@ def pose_blend(fraction, frame, activations, problem):
     if exceeds_blended_residuals(problem):
         blend_states(1.0 if fraction >= 0.5 else 0.0, search)
         for limb in range(4):
-            search.blended_limbs[limb] = KEEPS_BLEND
+            search.blended_limbs[limb] = BLENDED_POSE_KEPT
         pose_body(problem)
         for limb in range(4):
             search.blended_limbs[limb] = 0
@@ -204,13 +204,13 @@ def pose_blended_state(frame, activations, problem):
         residual = max(row.blended_residual, row.residual_change if both else 0.0) * (
             RADIAN_LENGTH if is_rotation(row) else 1.0
         )
-        if on_edge or (row.status == ACTIVE and row.pinned == UNPINNED and residual > LIMB_FALLS_SHORT):
+        if on_edge or (row.status == ACTIVE and row.pinned == UNPINNED and residual > LIMB_SHORT_RESIDUAL):
             begin_transition(row)
-        mark_blended_limbs(row, KEEPS_BLEND, blended)
+        mark_blended_limbs(row, BLENDED_POSE_KEPT, blended)
         if both and row.status != INACTIVE and not on_edge and has_own_goal(row):
             pin_to_residual(row)
     for limb in range(4):
-        blended[limb] = KEEPS_BLEND if blended[limb] else 0
+        blended[limb] = BLENDED_POSE_KEPT if blended[limb] else 0
     pose_body(problem)
     save_task_results(0, level, problem)
     for c in range(tasks.shape[0]):
@@ -247,7 +247,8 @@ def hold_blended_task(row, problem):
     pinned = row.pinned != UNPINNED and has_own_goal(row)
     row.kept_residual, left = (0.0, row.blended_residual) if pinned else (row.blended_residual, 0.0)
     fraction = min(
-        max(1.1 * (1.0 - row.kept_residual * (RADIAN_LENGTH if is_rotation(row) else 1.0) / LIMB_FALLS_SHORT), 0.0), 1.0
+        max(1.1 * (1.0 - row.kept_residual * (RADIAN_LENGTH if is_rotation(row) else 1.0) / LIMB_SHORT_RESIDUAL), 0.0),
+        1.0,
     )
     if is_rotation(row):
         now = pose.rotations[row.segments[0]]

@@ -8,7 +8,7 @@ import math
 from studio.core.kernels.algebra.vectors import ZERO_VECTOR, add_vectors, copy_matrix, copy_point, copy_points
 from studio.core.kernels.body.parts import copy_pose
 from studio.core.kernels.compiling import kernel, pack
-from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND
+from studio.core.kernels.limbs.limb_tasks import BLENDED_POSE_KEPT
 from studio.core.kernels.limits.clearance_tiers import measure_frame_penetration
 from studio.core.kernels.limits.root_reach_limit import limit_root_step
 from studio.core.kernels.limits.self_collision import clear_after_tasks
@@ -28,7 +28,7 @@ from studio.core.kernels.time.activation_blend import (
     write_residuals,
 )
 
-ANY_ACTIVATION = 1e-9
+LEAST_ACTIVATION = 1e-9
 """Least activation that counts as positive."""
 SMOOTHING_VIOLATION = 0.75 * PRIORITY_TOLERANCE
 """Greatest change, in metres or radians, of a higher task's residual by the smoothing of a level."""
@@ -116,7 +116,7 @@ def smoothing_violation(frame, clip, problem, above):
     """
     tasks, activations, residuals = problem.tasks, clip.constraints.activations[-1], clip.easing.residuals
     clearance, level = clip.clearance, clip.easing.level[0]
-    set_goals(ANY_ACTIVATION, frame, activations, clip.constraints, problem)
+    set_goals(LEAST_ACTIVATION, frame, activations, clip.constraints, problem)
     edges = has_transition(frame, tasks, activations)
     for row in tasks:
         row.engaged = 0
@@ -170,7 +170,7 @@ def pin_task(c, is_contact, above):
     for end in range(2):
         limb = row.limbs[end]
         if not is_balance(row) and limb >= 0 and row.limb_weights[end, 0] > 0.0 and not (is_contact and limb >= 2):
-            search.blended_limbs[limb] = KEEPS_BLEND  # legs that stand are placed on their ankles
+            search.blended_limbs[limb] = BLENDED_POSE_KEPT  # legs that stand are placed on their ankles
 
 
 @kernel

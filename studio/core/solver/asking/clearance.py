@@ -21,7 +21,7 @@ from studio.core.project_cache import project_cache
 from studio.core.solver.request import AdaptedMotion
 
 if TYPE_CHECKING:
-    from studio.core.solver.standing.stand import GroundedMotion
+    from studio.core.solver.grounding.grounded_motion import GroundedMotion
 
 FloatArray = NDArray[np.float64]
 

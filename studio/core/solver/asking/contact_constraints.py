@@ -15,14 +15,14 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
-from studio.core.kernels import layout as at
+from studio.core.kernels import measure_columns as measure
 from studio.core.kernels import records
 from studio.core.kernels.support.body_settling import place_arms
 from studio.core.solver.asking.task_rows import TaskRecords
-from studio.core.solver.standing.blends import release_weight
-from studio.core.solver.standing.body_support import GroundContact, track_of
-from studio.core.solver.standing.footing import Footing
-from studio.core.solver.standing.settling import ArmStance
+from studio.core.solver.grounding.body_support import GroundContact, track_of
+from studio.core.solver.grounding.contact_blending import release_weight
+from studio.core.solver.grounding.contact_settling import ArmStance
+from studio.core.solver.grounding.footing import Footing
 
 FloatArray = NDArray[np.float64]
 
@@ -107,7 +107,7 @@ def _part(point: ContactPoint, bone: str) -> BodyPart:
 def _body_point(point: ContactPoint, body: AnyMorphology) -> BodyPoint:
     """Point of the body that a contact point holds."""
     if point is ContactPoint.SEAT:
-        middle = body.rows[0, at.MEASURE_HIP_OFFSET : at.MEASURE_LEG].reshape(2, 3).mean(axis=0)
+        middle = body.rows[0, measure.HIP_OFFSET : measure.LEG].reshape(2, 3).mean(axis=0)
         return BodyPoint(BodyPart.PELVIS, tuple(middle.tolist()))
     return BodyPoint(_part(point, "forearm" if point.member == "hand" else "thigh"), at_end=True)
 

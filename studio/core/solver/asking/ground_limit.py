@@ -10,7 +10,7 @@ from studio.core.body.canonical import BodyLayout
 from studio.core.body.morphology import AnyMorphology, at_frames, sole_rows
 from studio.core.constraints.base import Constraint
 from studio.core.solver.asking.points import limb_of, point_indices
-from studio.core.solver.standing.stand import GroundedMotion
+from studio.core.solver.grounding.grounded_motion import GroundedMotion
 
 FloatArray = NDArray[np.float64]
 

@@ -17,14 +17,14 @@ from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.target import follows_of
 from studio.core.grounds.ground import Ground
 from studio.core.solver.asking.points import limb_of
-from studio.core.solver.standing.blends import smooth_penetrations
-from studio.core.solver.standing.held_foot import FootPath
-from studio.core.solver.standing.stand import GroundedMotion
-from studio.core.solver.standing.tipping import heights_of, tipped, tipped_about_ankle
+from studio.core.solver.grounding.contact_blending import smooth_penetrations
+from studio.core.solver.grounding.foot_tipping import ankle_tip_rotations, heights_of, tip_rotations
+from studio.core.solver.grounding.grounded_motion import GroundedMotion
+from studio.core.solver.grounding.held_foot import FootPath
 
 FloatArray = NDArray[np.float64]
 
-END_MARGIN = 0.05
+END_MARGIN_METRES = 0.05
 """Height above the ground in metres below which a foot or hand begins to rise; at ground height it is raised by 3/16 of
 this.
 """
@@ -75,7 +75,7 @@ def lift_ends(
             rises = _rises(heights, hand.tip_heights(ground, before[0]), free[side])
             if rises.any():
                 fingers = positions[:, hand.joint + 1] - positions[:, hand.joint]
-                hand.rotate(tipped(fingers, np.minimum(rises, np.maximum(-fingers[:, 2], 0.0))), *solved)
+                hand.rotate(tip_rotations(fingers, np.minimum(rises, np.maximum(-fingers[:, 2], 0.0))), *solved)
         measures = at_frames(sole_rows(body, side), window)
         heights = heights_of(foot.path(*solved), measures, ground)
         if not is_below_goal(heights):
@@ -88,12 +88,12 @@ def lift_ends(
                 rises = without_negligible_rises(goals - heights)
             if not rises.any():
                 break
-            foot.rotate(tipped_about_ankle(foot.path(*solved), measures, heights, rises), *solved)
+            foot.rotate(ankle_tip_rotations(foot.path(*solved), measures, heights, rises), *solved)
 
 
 def is_below_goal(heights: FloatArray) -> bool:
     """True if any of the ``heights`` (..., F) in metres is so low that the point may have to rise."""
-    return bool((heights < END_MARGIN).any())
+    return bool((heights < END_MARGIN_METRES).any())
 
 
 def _rises(heights: FloatArray, before: FloatArray, free: FloatArray) -> FloatArray:
@@ -101,7 +101,9 @@ def _rises(heights: FloatArray, before: FloatArray, free: FloatArray) -> FloatAr
     constraints.
     """
     least = np.minimum(before, 0.0) - END_TOLERANCE
-    return without_negligible_rises(free * smooth_penetrations(heights - least, np.minimum(before - least, END_MARGIN)))
+    return without_negligible_rises(
+        free * smooth_penetrations(heights - least, np.minimum(before - least, END_MARGIN_METRES))
+    )
 
 
 def without_negligible_rises(rises: FloatArray) -> FloatArray:

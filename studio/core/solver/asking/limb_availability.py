@@ -10,7 +10,7 @@ from studio.core.captures.contacts import ContactInterval, contact_mask
 from studio.core.compact_array import PoseArray
 from studio.core.grounds.ground import Ground
 from studio.core.solver.asking.chains import HIP_LIMIT, point_masses
-from studio.core.solver.standing.blends import release_weight
+from studio.core.solver.grounding.contact_blending import release_weight
 
 FloatArray = NDArray[np.float64]
 

@@ -16,9 +16,9 @@ from studio.core.solver.asking.kinds.orientation import angle_to
 from studio.core.solver.asking.kinds.position import distance_to
 from studio.core.solver.asking.shared_goals import groups_with_shared_goal, weighted_mean
 from studio.core.solver.asking.tracks import Targets, Track, raised_along_arms
+from studio.core.solver.grounding.support_polygon import mass_path
 from studio.core.solver.performers.followed_tracks import own_track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.support_polygon import mass_path
 
 
 def full_residuals(constraints: Sequence[Constraint], targets: Targets, adapted: AdaptedMotion) -> NDArray[np.float64]:

@@ -10,7 +10,14 @@ from studio.core.constraints.base import THIGHS, UPPER_ARMS, Chain, Constraint
 from studio.core.kernels.tasks.area_shapes import AREA_NUMBERS
 from studio.core.kernels.tasks.task import TASK
 from studio.core.solver.asking.kinds.known import solver_kind_of
-from studio.core.solver.asking.task_rows import BLANK_TASK, NO_DISTANCE, NO_POSITION, NO_ROTATION, TaskRecords, row_of
+from studio.core.solver.asking.task_rows import (
+    BLANK_TASK,
+    NO_DISTANCE,
+    NO_POSITION,
+    NO_ROTATION,
+    TaskRecords,
+    point_task_record,
+)
 from studio.core.solver.asking.tracks import Targets
 
 _PLACES = {part: place for place, part in enumerate(BodyPart)}
@@ -38,7 +45,9 @@ def pack_tasks(
     """
     count, levels = len(constraints), levels_by_priority(constraints, contacts)
     begun = [
-        BLANK_TASK.tobytes() if isinstance(each, BalanceConstraint) else row_of(each.point, each.chain, layout)
+        BLANK_TASK.tobytes()
+        if isinstance(each, BalanceConstraint)
+        else point_task_record(each.point, each.chain, layout)
         for each in constraints
     ]
     rows = TaskRecords(

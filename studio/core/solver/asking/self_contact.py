@@ -13,7 +13,7 @@ from scipy.ndimage import convolve1d, maximum_filter1d
 
 from studio.core.body.morphology import AnyMorphology, Morphology
 from studio.core.captures.contacts import ContactInterval, Touch, contact_mask
-from studio.core.kernels import layout as at
+from studio.core.kernels import measure_columns as measure
 from studio.core.kernels.limits import arm_clearance as clearing
 from studio.core.kernels.limits.arm_clearance import ARM_STEP_SIZE, ELBOW_SWIVEL, HAND_ROTATION
 from studio.core.kernels.limits.hand_contact import (
@@ -31,12 +31,18 @@ from studio.core.normalized.touching import PalmPositions, palm_positions
 from studio.core.project_cache import project_cache
 from studio.core.runs import runs_of
 from studio.core.solver.asking.clearance import actor_clearances, clearances_of, packed_volume, rest_clearances
-from studio.core.solver.standing.blends import LET_GO, SLOWLY_LET_GO, hann_window, release_weight, smoothstep_array
-from studio.core.solver.standing.body_support import limb_freedom
+from studio.core.solver.grounding.body_support import limb_freedom
+from studio.core.solver.grounding.contact_blending import (
+    RELEASE_SECONDS,
+    SLOW_RELEASE_SECONDS,
+    hann_window,
+    release_weight,
+    smoothstep_array,
+)
 
 FloatArray = NDArray[np.float64]
 
-PUSH_OUT_FADE = LET_GO
+PUSH_OUT_FADE_SECONDS = RELEASE_SECONDS
 """Seconds before and after a push of an arm out of its body over which it is spread."""
 MAX_WRIST_PUSH = 0.4
 """Greatest displacement of a wrist by a push, in arm lengths, approached softly: farther away it would be in the body
@@ -44,7 +50,7 @@ elsewhere.
 """
 PUSH_OUT_ROUNDS = 3
 """Rounds of pushing arms out of a grounded body: smoothing in time may move them in elsewhere."""
-TOUCH_FADE = 0.01
+TOUCH_FADE_DEPTH = 0.01
 """Range of the actor's depth in metres over which a hand that penetrates, or leaves, the actor begins to do so on the
 adapted body.
 """
@@ -296,7 +302,7 @@ class SelfContact:
         eased = np.einsum("fij,fvj->fvi", chest, smoothed_steps(out, self.frame_rate)).reshape(
             len(moves), 2, ELBOW_SWIVEL
         )
-        farthest = MAX_WRIST_PUSH * self.body.rows[:, at.MEASURE_ARM : at.MEASURE_ARM + 2].sum(axis=1).max()
+        farthest = MAX_WRIST_PUSH * self.body.rows[:, measure.ARM : measure.ARM + 2].sum(axis=1).max()
         far = np.linalg.norm(eased[:, :, :HAND_ROTATION], axis=2, keepdims=True) / farthest
         moves[:, :, :HAND_ROTATION] = able * eased[:, :, :HAND_ROTATION] / (1.0 + far**4) ** 0.25
         moves[:, :, HAND_ROTATION:ELBOW_SWIVEL] = able * (1.0 - firm)[:, None, None] * eased[:, :, HAND_ROTATION:]
@@ -304,12 +310,12 @@ class SelfContact:
 
 
 def _fade_frames(frame_rate: float) -> int:
-    """``PUSH_OUT_FADE`` in frames. ``smoothed_steps`` uses twice as many on either side."""
-    return max(1, round(PUSH_OUT_FADE * frame_rate))
+    """``PUSH_OUT_FADE_SECONDS`` in frames. ``smoothed_steps`` uses twice as many on either side."""
+    return max(1, round(PUSH_OUT_FADE_SECONDS * frame_rate))
 
 
 def smoothed_steps(displacements: FloatArray, frame_rate: float) -> FloatArray:
-    """Steps (F, N, D) smoothed in time: each has the greatest length within ``PUSH_OUT_FADE`` seconds, and the mean
+    """Steps (F, N, D) smoothed in time: each has the greatest length within ``PUSH_OUT_FADE_SECONDS``, and the mean
     direction.
 
     Opposite steps shorten each other: an arm that passes through the body in the source still does.
@@ -358,7 +364,7 @@ def self_contact_of(
             own,
             displacements,
         )
-    arms = [rows[:, at.MEASURE_ARM : at.MEASURE_ARM + 4].sum(axis=1)[:, None] for rows in (body.rows, actor.rows)]
+    arms = [rows[:, measure.ARM : measure.ARM + 4].sum(axis=1)[:, None] for rows in (body.rows, actor.rows)]
     scale = arms[0] / arms[1]
     both = np.maximum(touching.together, touching.held)
     sizes = scale + (1.0 - scale) * (touching.held * (1.0 - touching.together) / np.maximum(both, 1e-9))[:, None]
@@ -391,7 +397,11 @@ def hand_contacts_of(motion: NormalizedMotion, actor: Morphology, touches: tuple
 def _contact_weights(touches: Sequence[ContactInterval], motion: NormalizedMotion) -> FloatArray:
     """Weights (F,) of contact intervals: 1 during them, fading before and after."""
     mask = contact_mask([(each.first, each.last) for each in touches], motion.frame_count)
-    return 1.0 - release_weight(mask, motion.frame_rate, SLOWLY_LET_GO) if mask.any() else np.zeros(motion.frame_count)
+    return (
+        1.0 - release_weight(mask, motion.frame_rate, SLOW_RELEASE_SECONDS)
+        if mask.any()
+        else np.zeros(motion.frame_count)
+    )
 
 
 def _contact_points(near: Sequence[PalmPositions], contact: ContactInterval) -> FloatArray:
@@ -404,7 +414,9 @@ def _contact_points(near: Sequence[PalmPositions], contact: ContactInterval) -> 
     fractions = np.exp((least[:, None] - clearances) / clearing.SMOOTH_MINIMUM_WIDTH)
     fractions /= fractions.sum(axis=1, keepdims=True)
     above = clearances - np.median(least[contact.first : contact.last + 1])
-    lifted = np.where(above >= TOUCH_FADE, above, np.maximum(above + TOUCH_FADE, 0.0) ** 2 / (4.0 * TOUCH_FADE))
+    lifted = np.where(
+        above >= TOUCH_FADE_DEPTH, above, np.maximum(above + TOUCH_FADE_DEPTH, 0.0) ** 2 / (4.0 * TOUCH_FADE_DEPTH)
+    )
     along, displacements = (
         np.stack(each, axis=1)
         for each in ([one.fractions_along_axis for one in near], [one.directions for one in near])

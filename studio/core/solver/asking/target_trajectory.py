@@ -15,7 +15,7 @@ FloatArray = NDArray[np.float64]
 TargetTrajectory = tuple[FloatArray, float]
 """Displacements (F, n) of a target, and the lever over which they rotate a bone, in the same unit."""
 
-MAX_TARGET_OFFSET = 0.8
+MAX_TARGET_OFFSET_METRES = 0.8
 """Greatest distance of a target from its point in metres, approached softly: beyond it only the direction matters."""
 
 
@@ -68,11 +68,11 @@ class UnsolvedTask:
 def trajectory_to(target: FloatArray, begin: FloatArray) -> TargetTrajectory:
     """(displacements (F, 3) in metres from ``begin`` to ``target``, lever ``RADIAN_LENGTH``).
 
-    Displacements are softly bounded by ``MAX_TARGET_OFFSET``, and zero where the target is NaN.
+    Displacements are softly bounded by ``MAX_TARGET_OFFSET_METRES``, and zero where the target is NaN.
     """
     displacement = np.where(np.isnan(target), 0.0, target - begin)
     return displacement / np.sqrt(
-        1.0 + (np.linalg.norm(displacement, axis=1, keepdims=True) / MAX_TARGET_OFFSET) ** 2
+        1.0 + (np.linalg.norm(displacement, axis=1, keepdims=True) / MAX_TARGET_OFFSET_METRES) ** 2
     ), RADIAN_LENGTH
 
 

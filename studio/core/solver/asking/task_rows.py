@@ -83,7 +83,7 @@ def _stacked(targets: Sequence[FloatArray], *shape: int) -> FloatArray:
 
 
 @lru_cache(maxsize=1024)
-def row_of(point: BodyPoint, chain: Chain, layout: BodyLayout) -> bytes:
+def point_task_record(point: BodyPoint, chain: Chain, layout: BodyLayout) -> bytes:
     """Task record, as bytes, with a point and the weights of its limb."""
     record = BLANK_TASK.copy()
     write_end(record[0], 0, point, chain, layout)

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from studio.core.solver.request import UnconstrainedPoses
 
 FloatArray = NDArray[np.float64]
-FINGERS_RAISED = 2.0 / 3.0
+FINGER_RAISE_FRACTION = 2.0 / 3.0
 """Fraction of the arms' elevation by which fingers on a prop are raised; wrists bend by the rest."""
 
 
@@ -56,7 +56,7 @@ def raised_along_arms(
         return track
     shoulders = (positions[:, layout.collar_point(0) + 1] + positions[:, layout.collar_point(1) + 1]) / 2
     _, down, ahead = np.einsum("fji,fj->if", track.rotations, track.positions - shoulders)  # in the axes of a flat hand
-    angles = FINGERS_RAISED * np.arctan2(-down, np.abs(ahead))
+    angles = FINGER_RAISE_FRACTION * np.arctan2(-down, np.abs(ahead))
     rotations = track.rotations @ to_matrix(from_euler("X", angles[:, None]))
     return Track(track.positions + rotations @ np.array(follow.offset), rotations)
 
@@ -112,12 +112,12 @@ class Targets:
 
     def area_rotations(self, area: AreaConstraint) -> FloatArray:
         """Rotations (F or 1, 3, 3) of an area; those of a half-space take x to its normal."""
-        tilts = x_along(area.size) if area.shape is AreaShape.HALF_SPACE else self.rotations(area.tilt)
+        tilts = rotation_from_x(area.size) if area.shape is AreaShape.HALF_SPACE else self.rotations(area.tilt)
         return self._headed(tilts, area.heading, area.centre)
 
     def rail_rotations(self, rail: RailConstraint) -> FloatArray:
         """Rotations (F or 1, 3, 3) of a rail, which take x to its direction."""
-        return self._headed(x_along(rail.direction), 0.0, rail.centre)
+        return self._headed(rotation_from_x(rail.direction), 0.0, rail.centre)
 
     def _headed(self, tilts: FloatArray, heading: float | KeyedNumber, centre: Place) -> FloatArray:
         """``tilts`` (F or 1, 3, 3) rotated by ``heading`` and by the object that ``centre`` follows.
@@ -170,7 +170,7 @@ def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
     return replace(constraint, **changes) if changes else constraint
 
 
-def x_along(direction: Vector) -> FloatArray:
+def rotation_from_x(direction: Vector) -> FloatArray:
     """Shortest rotation (3, 3) that takes x to ``direction``."""
     return np.asarray(shortest_arc(np.array([[1.0, 0.0, 0.0]]), normalized(np.array([direction])))[0])
 

@@ -16,15 +16,15 @@ ARM_CHAIN, LEG_CHAIN, TRUNK_CHAIN = Chain(trunk=0.3), Chain(root=1.0), Chain(tru
 """Chains that keep arms, legs and trunk out of an area."""
 TRUNK_ROWS = CAPSULES_OF["hips"][0], CAPSULES_OF["trunk"][0], CAPSULES_OF["trunk"][2]
 """Capsules of one side of the trunk, from the lowest to the highest."""
-HAND_SHARE = 0.77
+HAND_MARGIN_FACTOR = 0.77
 """Margin of a wrist in hand lengths. It stands in for the hand: a second constrained point on one limb would conflict
 with the first.
 """
-JOINT_SHARE = 1.4
+JOINT_MARGIN_FACTOR = 1.4
 """Margin of elbow and knee in radii of the body's volume there. The radii are means around the bone, narrower than the
 limb on either side.
 """
-NECK_SHARE = 1.3
+NECK_MARGIN_FACTOR = 1.3
 """Margin of the neck in radii of the head, which overhangs it."""
 
 
@@ -58,16 +58,16 @@ def _points(body: Morphology, volume: BodyVolume) -> list[tuple[BodyPoint, float
         limb
         for side, hand in zip(("left", "right"), hands.tolist(), strict=True)
         for limb in (
-            (BodyPoint(BodyPart(f"{side}_forearm"), at_end=True), HAND_SHARE * hand, ARM_CHAIN),
-            (BodyPoint(BodyPart(f"{side}_upper_arm"), at_end=True), JOINT_SHARE * elbow, ARM_CHAIN),
-            (BodyPoint(BodyPart(f"{side}_thigh"), at_end=True), JOINT_SHARE * knee, LEG_CHAIN),
+            (BodyPoint(BodyPart(f"{side}_forearm"), at_end=True), HAND_MARGIN_FACTOR * hand, ARM_CHAIN),
+            (BodyPoint(BodyPart(f"{side}_upper_arm"), at_end=True), JOINT_MARGIN_FACTOR * elbow, ARM_CHAIN),
+            (BodyPoint(BodyPart(f"{side}_thigh"), at_end=True), JOINT_MARGIN_FACTOR * knee, LEG_CHAIN),
         )
     ]
     return [
         *limbs,
         (BodyPoint(BodyPart.PELVIS), float(max(low, middle)), TRUNK_CHAIN),
         (BodyPoint(BodyPart.THORAX), float(max(middle, top)), TRUNK_CHAIN),
-        (BodyPoint(BodyPart.NECK), NECK_SHARE * head, TRUNK_CHAIN),
+        (BodyPoint(BodyPart.NECK), NECK_MARGIN_FACTOR * head, TRUNK_CHAIN),
     ]
 
 

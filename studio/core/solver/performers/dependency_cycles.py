@@ -20,21 +20,21 @@ from studio.core.constraints.target import follows_of
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.normalized.compose import Composite
 from studio.core.solver.asking.tracks import Track, Tracks
-from studio.core.solver.performers.awaiting import with_anticipated_targets, with_expected_positions
+from studio.core.solver.performers.anticipated_targets import with_anticipated_targets, with_expected_positions
 from studio.core.solver.performers.stage import leader_track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
 
 FloatArray = NDArray[np.float64]
-Solve = Callable[[str, AdaptRequest], AdaptedMotion]
+SolveMember = Callable[[str, AdaptRequest], AdaptedMotion]
 """Function that solves one performer of the cycle, by its id."""
 
 JACOBI_ITERATIONS = 10
 """Greatest number of iterations over a cycle."""
 JACOBI_CONTRACTION = 0.6
 """Greatest ratio of successive displacements; where it is exceeded, the displacement is halved, which stops a chase."""
-EVEN_RESIDUALS = 1e-4
+EVEN_RESIDUAL_METRES = 1e-4
 """Residual in metres of both ends of a meeting below which neither end dominates."""
 
 
@@ -89,7 +89,7 @@ class CycleSolution:
 
 def solve_cycle(
     players: Mapping[str, CycleMember],
-    solve: Solve,
+    solve: SolveMember,
     expected: Paths = MappingProxyType({}),
     sweeps: int = JACOBI_ITERATIONS,
 ) -> CycleSolution:
@@ -237,7 +237,7 @@ def _meet(
             held_there = theirs.activation.at(theirs_times)[:, None] ** 3
             residual, miss_there = held * (mine - place), held_there * (other_place - place)
             far, far_there = (np.linalg.norm(each, axis=1, keepdims=True) for each in (residual, miss_there))
-            place = place + (far * residual + far_there * miss_there) / (far + far_there + EVEN_RESIDUALS)
+            place = place + (far * residual + far_there * miss_there) / (far + far_there + EVEN_RESIDUAL_METRES)
         tracks[me, follow] = Track(place, tracks[me, follow].rotations)
 
 

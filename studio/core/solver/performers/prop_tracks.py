@@ -27,7 +27,7 @@ FloatArray = NDArray[np.float64]
 
 CARRYING_HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
 """Parts that carry a prop."""
-HANDING, LIFTING = 0.3, 1.2
+LEAST_HAND_OVER_SECONDS, MAX_HAND_OVER_SPEED = 0.3, 1.2
 """Least seconds in which a prop moves into a hand, or to where it is put down, and its greatest speed meanwhile,
 m/s.
 """
@@ -148,7 +148,7 @@ def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mappin
 
 def hand_over_seconds(distance: float) -> float:
     """Seconds in which a prop is moved ``distance`` metres into the hands."""
-    return max(HANDING, EASE_PEAK * distance / LIFTING)
+    return max(LEAST_HAND_OVER_SECONDS, EASE_PEAK * distance / MAX_HAND_OVER_SPEED)
 
 
 def _at(moment: float, places: Sequence[int], prop: Prop, hands: Mapping[str, Hands]) -> Track:

@@ -19,18 +19,18 @@ from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.kernels import records
 from studio.core.kernels.records import SMOOTHED_LEVEL, HigherLevelPoses
 from studio.core.kernels.search.joints import ROOT_TRANSLATION
-from studio.core.kernels.time.acceleration_peaks import ADDED_PEAK, TOTAL_PEAK, write_smoothed_peaks
+from studio.core.kernels.time.acceleration_peaks import ADDED_PEAK_FRACTION, TOTAL_PEAK_FRACTION, write_smoothed_peaks
 from studio.core.kernels.time.smoothed_frames import SMOOTHING_VIOLATION
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.runs import runs_of
+from studio.core.solver.grounding.contact_blending import LOWERING_LEAD_SECONDS, hann_window
+from studio.core.solver.grounding.grounded_motion import GroundedMotion
 from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
-from studio.core.solver.smoothing.root_reach import RootReach
-from studio.core.solver.standing.blends import LOOK_AHEAD, hann_window
-from studio.core.solver.standing.stand import GroundedMotion
+from studio.core.solver.smoothing.smoothed_root_reach import RootReach
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
-Run = Callable[[int, records.SmoothingRun], None]
+FramePoser = Callable[[int, records.SmoothingRun], None]
 """Function that poses frames again with the constraints down to a level."""
 
 
@@ -89,7 +89,9 @@ class LevelNumbers(NamedTuple):
     """Number of self-collision constraints without a higher priority."""
 
 
-SMOOTHING_RANGE = Ramp(np.array([ADDED_PEAK, ADDED_PEAK, TOTAL_PEAK]), np.array([1.8, 1.8, 2.6]))
+SMOOTHING_RANGE = Ramp(
+    np.array([ADDED_PEAK_FRACTION, ADDED_PEAK_FRACTION, TOTAL_PEAK_FRACTION]), np.array([1.8, 1.8, 2.6])
+)
 """Peaks of root, joints and limbs, as fractions of the allowed peak, over which smoothing fades in."""
 DROPPING_RANGE = Ramp(3.5 * SMOOTHING_RANGE.begin, 3.5 * SMOOTHING_RANGE.whole)
 """Peaks of root, joints and limbs, as fractions of the allowed peak, over which a level is dropped, since even its
@@ -97,23 +99,23 @@ average pops.
 
 A level that is merely sharper than a calm source is kept: dropped, its residual was up to 0.8 m for seconds.
 """
-SMOOTHING_WIDTHS = 0.06, 0.2, 0.35, 0.12
+SMOOTHING_WIDTH_SECONDS = 0.06, 0.2, 0.35, 0.12
 """Seconds on either side of successive averages, each used where the one before did not suffice: fully within that
 distance of a peak, fading over as much again.
 """
 DROPPING_ROUNDS = 4
 """Rounds of dropping a level where it violates those above it, over growing ranges of frames."""
-SMOOTHING_MARGIN = 0.35
+SMOOTHING_MARGIN_SECONDS = 0.35
 """Seconds on either side of a peak within which a level stays averaged, or is dropped, completely; it fades over as
 much again.
 """
 VIOLATION_RANGE = Ramp(np.array(0.93 * SMOOTHING_VIOLATION), np.array(1.07 * SMOOTHING_VIOLATION))
 """Priority violation of a smoothed level, in metres or radians, over which it is dropped."""
-SMOOTHING_REACH = 0.6
+SMOOTHING_REACH_SECONDS = 0.6
 """Seconds on either side of a peak of a solved level within which frames may be smoothed; the weight fades over as much
 again.
 """
-SMOOTHING_HORIZON = 2.0 * SMOOTHING_REACH + 0.25
+SMOOTHING_HORIZON_SECONDS = 2.0 * SMOOTHING_REACH_SECONDS + 0.25
 """Seconds on either side of a frame that affect its smoothing."""
 LEG_BONES = BodyPart.LEFT_THIGH, BodyPart.RIGHT_THIGH, BodyPart.LEFT_SHANK, BodyPart.RIGHT_SHANK
 """Segments whose peaks are also allowed for root and trunk if a leg has a constraint: a kick swings the pelvis."""
@@ -166,7 +168,7 @@ class SolveNotes:
         named_limbs = np.array([0 in named, 1 in named, 2 in named, 3 in named], dtype=np.int64)
         layout, rate = standing.morphology.layout, standing.motion.frame_rate
         peaks, states = (
-            own_peaks(standing, joints["segment"], 2 in named or 3 in named),
+            unsolved_peaks(standing, joints["segment"], 2 in named or 3 in named),
             np.empty((frames, len(joints), 3)),
         )
         return SolveNotes(
@@ -227,7 +229,7 @@ class SolveNotes:
         return sharp
 
 
-def own_peaks(standing: GroundedMotion, searched: IntArray, legs_asked: bool) -> FloatArray:
+def unsolved_peaks(standing: GroundedMotion, searched: IntArray, legs_asked: bool) -> FloatArray:
     """Acceleration peaks (N + 1,) in rad/s2 of the unsolved motion, for a search of segments ``searched`` (N,).
 
     Legs count if they have a constraint (``legs_asked``); root and searched joints are then allowed at least the legs'
@@ -270,7 +272,7 @@ class SolvedLevel:
     def near_peaks(self) -> FloatArray:
         """Weights (F,): 1 near acceleration peaks of the level's solve, fading to 0."""
         return _spread_peaks(
-            _excess(self.solve.ratios(self.solve.sharp, self.allowed)), self.solve.rate, SMOOTHING_REACH
+            _excess(self.solve.ratios(self.solve.sharp, self.allowed)), self.solve.rate, SMOOTHING_REACH_SECONDS
         )
 
     @property
@@ -287,7 +289,7 @@ class LevelSmoother:
     def __init__(
         self,
         levels: Sequence[SolvedLevel],
-        pose: Run,
+        pose: FramePoser,
         solved: SolvedArrays,
         charts: LimbCoordinates,
         root_reach: RootReach,
@@ -362,8 +364,10 @@ class LevelSmoother:
         It is positive where the pose ``now`` has acceleration peaks over ``limits``, or where the level violates those
         above.
         """
-        changed = self._spread(number, VIOLATION_RANGE.share_of(self._levels[number].solve.changes), SMOOTHING_MARGIN)
-        peaks = self._bump(number, now, SMOOTHING_MARGIN, limits)
+        changed = self._spread(
+            number, VIOLATION_RANGE.share_of(self._levels[number].solve.changes), SMOOTHING_MARGIN_SECONDS
+        )
+        peaks = self._bump(number, now, SMOOTHING_MARGIN_SECONDS, limits)
         return np.asarray(np.maximum(peaks, changed) * (self._rooms[number] > 0.0))
 
     def _posed_anew(
@@ -410,7 +414,7 @@ class LevelSmoother:
         states, values = solved.states + self._moved.states, solved.charts + self._moved.charts
         for moved in self._moved:
             self._touched = np.maximum(self._touched, moved.reshape(len(moved), -1).any(axis=1))
-        for seconds in SMOOTHING_WIDTHS:
+        for seconds in SMOOTHING_WIDTH_SECONDS:
             width = max(round(seconds * level.solve.rate), 1)
             bump = margin * self._bump(number, SmoothedPose(states, values), seconds)
             if not bump.any():
@@ -420,7 +424,7 @@ class LevelSmoother:
             values = self._charts.clamped_to_limits(values)
         joints = level.solve.joints
         back = (
-            self._root_reach.root_correction(states, joints, round(LOOK_AHEAD * level.solve.rate))
+            self._root_reach.root_correction(states, joints, round(LOWERING_LEAD_SECONDS * level.solve.rate))
             * (margin > 0.0)[:, None]
         )
         self._touched = np.maximum(self._touched, back.any(axis=1))
@@ -434,7 +438,7 @@ class LevelSmoother:
         above do not count.
         """
         level = self._levels[number]
-        begin = np.append(np.full(len(level.solve.joints), ADDED_PEAK), TOTAL_PEAK)
+        begin = np.append(np.full(len(level.solve.joints), ADDED_PEAK_FRACTION), TOTAL_PEAK_FRACTION)
         allowed = np.maximum(level.allowed, self._jolts / begin)
         sharp = level.solve.peaks_of(poses.states, self._charts.rotations(poses.charts))
         return self._spread(number, _excess(level.solve.ratios(sharp, allowed), limits), around)

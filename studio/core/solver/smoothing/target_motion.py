@@ -11,7 +11,7 @@ from studio.core.solver.asking.task_rows import TaskRecords
 
 FloatArray = NDArray[np.float64]
 
-TARGET_PEAK_SPREAD = 0.1
+TARGET_PEAK_SPREAD_SECONDS = 0.1
 """Seconds around a frame within which a target's acceleration may show in the joints."""
 
 
@@ -39,7 +39,7 @@ def target_accelerations(
         sharp = np.stack([_sharp(path, lever, rate), edges * angles])
         acts = maximum_filter1d(activations[c] > 0.0, 3)
         brings[:, c] = maximum_filter1d(
-            np.where(acts, sharp, 0.0), 2 * round(TARGET_PEAK_SPREAD * rate) + 1, mode="nearest"
+            np.where(acts, sharp, 0.0), 2 * round(TARGET_PEAK_SPREAD_SECONDS * rate) + 1, mode="nearest"
         )
     return brings
 

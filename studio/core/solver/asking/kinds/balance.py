@@ -10,8 +10,8 @@ from studio.core.solver.asking.posed_points import target_positions
 from studio.core.solver.asking.target_trajectory import TargetTrajectory, UnsolvedTask, trajectory_to
 from studio.core.solver.asking.task_rows import TaskRecords
 from studio.core.solver.asking.tracks import Targets
+from studio.core.solver.grounding.support_polygon import mass_path
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.support_polygon import mass_path
 
 FloatArray = NDArray[np.float64]
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from studio.core.body.morphology import AnimatedMorphology
+from studio.core.solver.grounding.footing import Footing, foot_contacts
 from studio.core.solver.request import AdaptRequest
-from studio.core.solver.standing.footing import Footing, foot_contacts
 
 if TYPE_CHECKING:
-    from studio.core.solver.standing.stand import GroundedMotion
+    from studio.core.solver.grounding.grounded_motion import GroundedMotion
 
 
 def parts_of(request: AdaptRequest) -> list[tuple[slice, AdaptRequest]]:
@@ -50,7 +50,7 @@ def _part(request: AdaptRequest, frames: slice) -> AdaptRequest:
     )
 
 
-def joined(request: AdaptRequest, parts: Sequence["GroundedMotion"]) -> "GroundedMotion":
+def join_parts(request: AdaptRequest, parts: Sequence["GroundedMotion"]) -> "GroundedMotion":
     """Grounded motion of the whole ``request`` from its ``parts``, one after the other in time."""
     if len(parts) == 1:
         return parts[0]

@@ -24,28 +24,29 @@ from studio.core.captures.contacts import (
 )
 from studio.core.compact_array import PoseArray
 from studio.core.grounds.ground import Ground
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
+from studio.core.kernels import measure_columns as measure
 from studio.core.kernels.algebra.medians import geometric_median
 from studio.core.kernels.limbs.limb import SOLE_SOFT_IK_THRESHOLD
-from studio.core.kernels.support.foot_anchoring import SMALLEST_SIZE
+from studio.core.kernels.support.foot_anchoring import SMALL_BODY_RATIO
 from studio.core.kernels.support.gap_interpolation import interpolate_gaps
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize_motion
 from studio.core.rotations import normalized, shortest_arc
 from studio.core.runs import runs_of
-from studio.core.solver.standing.arching import arch_trunk
-from studio.core.solver.standing.blends import (
-    AVERAGED,
-    GOES_ALONG,
-    LET_GO,
-    averaged,
+from studio.core.solver.grounding.captured_floor import captured_floor
+from studio.core.solver.grounding.contact_blending import (
+    DISPLACEMENT_RETURN_SECONDS,
+    RELEASE_SECONDS,
+    ROOT_AVERAGE_SECONDS,
+    hann_average,
     interpolated_corrections,
     release_weight,
     smoothstep_array,
 )
-from studio.core.solver.standing.footing import foot_states
-from studio.core.solver.standing.footprints import tilts_of
-from studio.core.solver.standing.shown_floor import shown_floor
+from studio.core.solver.grounding.footing import foot_states
+from studio.core.solver.grounding.footprints import tilts_of
+from studio.core.solver.grounding.trunk_arching import arch_trunk
 
 FloatArray = NDArray[np.float64]
 
@@ -162,7 +163,9 @@ def find_support(
     fractions = _support_weights(standing, foot_states(contacts, motion.frame_count), bearing, motion.frame_rate)
     pose, upright = (positions, rotations), positions
     if not ground.is_level:
-        leans = averaged(1.0 * np.any(list(standing.values()), axis=0)[:, None], GOES_ALONG, motion.frame_rate)
+        leans = hann_average(
+            1.0 * np.any(list(standing.values()), axis=0)[:, None], DISPLACEMENT_RETURN_SECONDS, motion.frame_rate
+        )
         leant, turned, upright = tilt_with_ground(leans, body, ground, motion.frame_rate, positions, rotations)
         pose = leant, turned
     positions = pose[0]
@@ -181,7 +184,7 @@ def find_support(
         away = np.where(hold.standing[:, None], hold.places - tracks[hold.point], 0.0)
         interpolate_gaps(away, hold.standing)
         shift += fraction[:, None] * away
-    shift = averaged(shift, AVERAGED, motion.frame_rate)
+    shift = hann_average(shift, ROOT_AVERAGE_SECONDS, motion.frame_rate)
     if ground.is_level:
         holds = tuple(
             _reached(hold, tracks[hold.point] + shift, body, ground, positions + shift[:, None]) for hold in holds
@@ -215,9 +218,9 @@ def _raises(standing: Mapping[ContactPoint, NDArray[np.bool_]], lower: FloatArra
     fractions = np.zeros_like(lower)
     for point, stands in standing.items():
         if point.member == "hand":
-            fractions[:, point.side] = 1.0 - release_weight(stands, frame_rate, GOES_ALONG)
+            fractions[:, point.side] = 1.0 - release_weight(stands, frame_rate, DISPLACEMENT_RETURN_SECONDS)
     mean = (fractions * lower).sum(axis=1, keepdims=True) / np.maximum(fractions.sum(axis=1, keepdims=True), 1e-9)
-    return np.asarray(averaged(fractions.max(axis=1, keepdims=True) * mean, AVERAGED, frame_rate)[:, 0])
+    return np.asarray(hann_average(fractions.max(axis=1, keepdims=True) * mean, ROOT_AVERAGE_SECONDS, frame_rate)[:, 0])
 
 
 def _track(
@@ -262,7 +265,7 @@ def tilt_with_ground(
     ring = np.pi / 4.0 * np.arange(8)
     round_root = SLOPE_RADIUS * body.leg_length * np.column_stack([np.cos(ring), np.sin(ring)])
     heights = ground.height_at(positions[:, :1, :2] + round_root)
-    slopes = averaged(heights @ round_root / np.sum(round_root[:, 0] ** 2), LET_GO, frame_rate)
+    slopes = hann_average(heights @ round_root / np.sum(round_root[:, 0] ** 2), RELEASE_SECONDS, frame_rate)
     normals = np.column_stack([-slopes, np.ones(len(slopes))])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     rotation_matrices = Rotation.from_rotvec(fraction * tilts_of(normals)).as_matrix()
@@ -278,7 +281,7 @@ def _wrists_over_palms(
 ) -> FloatArray:
     """Heights (F, 2) in metres by which wrists are above those of flat palms, as far as the fingers slope down."""
     wrists = np.array([body.layout.wrist_point(side) for side in range(2)])
-    palms = shown_floor(contacts, positions, body, frame_rate)[:, None] + CONTACT_HEIGHTS["hand"] * body.leg_length
+    palms = captured_floor(contacts, positions, body, frame_rate)[:, None] + CONTACT_HEIGHTS["hand"] * body.leg_length
     heights, tips = positions[:, wrists, 2], positions[:, wrists + 1, 2]
     return np.maximum(heights - np.maximum(tips, palms), 0.0)
 
@@ -301,7 +304,7 @@ def _hold(
     heights = np.full(len(track), contact_height(body, point))
     for first, last in spans:
         span = slice(first, last + 1)
-        small = legs[span] <= SMALLEST_SIZE * legs[span].min()
+        small = legs[span] <= SMALL_BODY_RATIO * legs[span].min()
         middle = median_position(track[span][small])
         standing[span] = True
         if point.member == "hand":
@@ -324,7 +327,7 @@ def _place_on(position: FloatArray, height: float, ground: Ground) -> tuple[Floa
 
 def _fingers(body: AnyMorphology, side: int) -> FloatArray:
     """Vector (3,) in metres from the wrist to the finger tips, in the hand's axes."""
-    return np.asarray(body.rows[0, at.MEASURE_HAND + 3 * side : at.MEASURE_HAND + 3 * side + 3])
+    return np.asarray(body.rows[0, measure.HAND + 3 * side : measure.HAND + 3 * side + 3])
 
 
 def _bearing(body: AnyMorphology, ground: Ground, positions: FloatArray) -> FloatArray:
@@ -357,7 +360,7 @@ def _support_weights(
     fractions = np.array(
         [np.interp(frames, carried, row[carried] / total[carried]) for row in np.delete(weights, 1, 0)]
     )
-    return np.asarray(averaged(fractions.T, LET_GO, frame_rate).T)
+    return np.asarray(hann_average(fractions.T, RELEASE_SECONDS, frame_rate).T)
 
 
 def raise_by_swinging(wrists: FloatArray, shoulders: FloatArray, raises: FloatArray) -> FloatArray:
@@ -377,7 +380,7 @@ def raise_by_swinging(wrists: FloatArray, shoulders: FloatArray, raises: FloatAr
 
 def reach_of(motion: NormalizedMotion, body: AnyMorphology, side: int) -> FloatArray:
     """Greatest free extension (F,) in metres of an arm in contact: its extension in the motion, or nearly straight."""
-    own = np.clip(1.0 - motion.channels[:, at.LIMB_SLACK + side], SOLE_SOFT_IK_THRESHOLD, 1.0 - 1e-9)
+    own = np.clip(1.0 - motion.channels[:, channel.LIMB_SLACK + side], SOLE_SOFT_IK_THRESHOLD, 1.0 - 1e-9)
     return np.asarray(own * arm_rows(body, side).sum(axis=1))
 
 

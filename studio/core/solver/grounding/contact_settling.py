@@ -11,7 +11,8 @@ from scipy.spatial.transform import Rotation
 from studio.core.body.morphology import AnyMorphology, arm_rows, leg_rows, sole_rows
 from studio.core.captures.contacts import ContactPoint
 from studio.core.grounds.ground import Ground
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
+from studio.core.kernels import measure_columns as measure
 from studio.core.kernels import records
 from studio.core.kernels.limbs.legs import knee_swivels, write_knee_targets
 from studio.core.kernels.limbs.limb import MAX_EXTENSION, SOFT_IK_THRESHOLD
@@ -21,20 +22,20 @@ from studio.core.kernels.support.swing_foot_clearance import raise_swing_foot
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized, shortest_arc
 from studio.core.runs import runs_of
-from studio.core.solver.standing.blends import (
-    AVERAGED,
-    LET_GO,
-    SLOWLY_LET_GO,
-    averaged,
+from studio.core.solver.grounding.body_support import BodySupport, GroundContact, level_hands, reach_of, track_of
+from studio.core.solver.grounding.contact_blending import (
+    RELEASE_SECONDS,
+    ROOT_AVERAGE_SECONDS,
+    SLOW_RELEASE_SECONDS,
+    hann_average,
     interpolated_corrections,
     release_weight,
     smooth_penetrations,
     smoothstep_array,
 )
-from studio.core.solver.standing.body_support import BodySupport, GroundContact, level_hands, reach_of, track_of
-from studio.core.solver.standing.footing import Footing, reach_relaxation
-from studio.core.solver.standing.footprints import tilts_of
-from studio.core.solver.standing.swing_foot_path import SOLE_TOLERANCE
+from studio.core.solver.grounding.footing import Footing, reach_relaxation
+from studio.core.solver.grounding.footprints import tilts_of
+from studio.core.solver.grounding.swing_foot_path import SOLE_TOLERANCE
 
 FloatArray = NDArray[np.float64]
 
@@ -42,11 +43,11 @@ SOFT_TRAVEL_COST, FIRM_TRAVEL_COST = 1e-2, 1e-4
 """Cost of a metre of the body's travel, relative to a metre out of reach: while moves are averaged over time, and in
 the last, exact move.
 """
-KNEE_TOLERANCE = 0.1
+KNEE_TOLERANCE_FRACTION = 0.1
 """Difference from its thigh's length that a released knee may have, as a fraction of the root's additional reach."""
 LEAST_LEG_REACH = 0.18
 """Least distance hip-ankle, in leg lengths, of a leg with flesh, unless the actor's is folded further."""
-FOLDED_MARGIN = 0.01
+FOLDED_MARGIN_FRACTION = 0.01
 """Least distance of a limb's ends beyond the distance at which it is completely folded, as a fraction of its length."""
 CONTACT_MOVES = 5
 """Iterations of moving contacts that the body cannot reach."""
@@ -91,7 +92,7 @@ class _Links:
         self.max_lengths.append(most)
 
 
-def settle(
+def settle_on_contacts(
     carrying: BodySupport,
     footing: Footing,
     motion: NormalizedMotion,
@@ -146,17 +147,17 @@ def _settled(
     links = _Links([], [], [], [])
     for side, root_reach in enumerate(footing.root_reaches):
         hip, legs = positions[:, layout.hip_point(side)], leg_rows(body, side)
-        folded = np.minimum(1.0 - motion.channels[:, at.LIMB_SLACK + 2 + side], LEAST_LEG_REACH) * legs.sum(axis=1)
+        folded = np.minimum(1.0 - motion.channels[:, channel.LIMB_SLACK + 2 + side], LEAST_LEG_REACH) * legs.sum(axis=1)
         least = np.maximum(_shortest(legs), folded)
         links.add(hip - roots, footing.ankles[side, :, :3], least, root_reach * legs.sum(axis=1))
         if footing.ankles.shape[2] > 3:
             knee, firm = footing.ankles[side, :, 3:6], footing.ankles[side, :, 6]
-            play = KNEE_TOLERANCE * reach_relaxation(1.0 - firm) * legs.sum(axis=1)
+            play = KNEE_TOLERANCE_FRACTION * reach_relaxation(1.0 - firm) * legs.sum(axis=1)
             links.add(hip - roots, knee, legs[:, 0] - play, legs[:, 0] + play)
     for side, point in enumerate((ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND)):
         if point in holds:
             free, shoulder = (
-                release_weight(holds[point].standing, rate, LET_GO),
+                release_weight(holds[point].standing, rate, RELEASE_SECONDS),
                 positions[:, layout.wrist_point(side) - 2],
             )
             arms = arm_rows(body, side)
@@ -168,7 +169,7 @@ def _settled(
 
 def _shortest(lengths: FloatArray) -> FloatArray:
     """Least distance (F or 1,) in metres of a folded limb's ends, for bones of ``lengths`` (F or 1, 2)."""
-    return np.asarray(np.abs(lengths[:, 0] - lengths[:, 1]) + FOLDED_MARGIN * lengths.sum(axis=1))
+    return np.asarray(np.abs(lengths[:, 0] - lengths[:, 1]) + FOLDED_MARGIN_FRACTION * lengths.sum(axis=1))
 
 
 def within_reach(
@@ -204,11 +205,11 @@ def _knee_displacements(
     side = hold.point.side
     legs = leg_rows(body, side)
     residual = _too_far(hold.places, positions[:, body.layout.hip_point(side)], legs[:, 0], legs[:, 0])
-    to_toe = body.rows[:, at.MEASURE_FOOT + 3 * side :][:, :3]
+    to_toe = body.rows[:, measure.FOOT + 3 * side :][:, :3]
     feet, length = footing.feet[side], np.linalg.norm(to_toe, axis=1)
     toes = footing.ankles[side] + np.einsum("fij,fj->fi", feet, np.broadcast_to(to_toe, hold.places.shape))
     both = np.column_stack([legs[:, 1] + 0.0 * length, length + 0.0 * legs[:, 1]])
-    most = (1.0 - FOLDED_MARGIN) * both.sum(axis=1)
+    most = (1.0 - FOLDED_MARGIN_FRACTION) * both.sum(axis=1)
     shin = _too_far(hold.places, toes, _shortest(both), most)
     return residual + np.where(footing.states[side][:, None] == TOE_STANDS, shin, 0.0)
 
@@ -231,7 +232,7 @@ def _moves(roots: FloatArray, links: _Links, seats: FloatArray, frame_rate: floa
     )
     for _ in range(SETTLING_ROUNDS):
         settle_frames(roots, known, seats, centres, SOFT_TRAVEL_COST, moves)
-        centres = averaged(moves, AVERAGED, frame_rate)
+        centres = hann_average(moves, ROOT_AVERAGE_SECONDS, frame_rate)
     settle_frames(roots, known, seats, centres, FIRM_TRAVEL_COST, moves)
     return moves
 
@@ -241,7 +242,7 @@ def _seats(hold: GroundContact | None, body: AnyMorphology, frame_rate: float, p
     middle = track_of(ContactPoint.SEAT, body, positions)
     if hold is None:
         return np.column_stack([middle - positions[:, 0], middle, np.zeros(len(middle))])
-    firm = 1.0 - release_weight(hold.standing, frame_rate, SLOWLY_LET_GO)
+    firm = 1.0 - release_weight(hold.standing, frame_rate, SLOW_RELEASE_SECONDS)
     return np.column_stack([middle - positions[:, 0], hold.displaced(middle, frame_rate), firm])
 
 
@@ -263,11 +264,11 @@ def _kneeling(
     feet, toes, soft_thresholds = footing.feet.copy(), footing.toes.copy(), footing.soft_thresholds.copy()
     for hold in holds:
         side = hold.point.side
-        firm = (1.0 - release_weight(hold.standing, frame_rate, LET_GO))[:, None]
+        firm = (1.0 - release_weight(hold.standing, frame_rate, RELEASE_SECONDS))[:, None]
         knees = hold.displaced(track_of(hold.point, body, positions), frame_rate)
         shank = leg_rows(body, side)[:, 1:]
         to_toe = np.einsum(
-            "fij,fj->fi", feet[side], np.broadcast_to(body.rows[:, at.MEASURE_FOOT + 3 * side :][:, :3], knees.shape)
+            "fij,fj->fi", feet[side], np.broadcast_to(body.rows[:, measure.FOOT + 3 * side :][:, :3], knees.shape)
         )
         heel, toe = (
             1.0 - release_weight((footing.states[side] & bit) != 0, frame_rate)[:, None]
@@ -330,8 +331,10 @@ def _kept_above(
     frame_rate: float,
 ) -> FloatArray:
     """Ankles (F, 3) of a kneeling body, raised above the plane of the ground; ``toes`` are bent up in place."""
-    under = np.column_stack([ankles[:, :2], averaged(ground.height_at(ankles)[:, None], AVERAGED, frame_rate)])
-    tilts = averaged(tilts_of(ground.normal_at(ankles)), AVERAGED, frame_rate)
+    under = np.column_stack(
+        [ankles[:, :2], hann_average(ground.height_at(ankles)[:, None], ROOT_AVERAGE_SECONDS, frame_rate)]
+    )
+    tilts = hann_average(tilts_of(ground.normal_at(ankles)), ROOT_AVERAGE_SECONDS, frame_rate)
     rotation_matrices = Rotation.from_rotvec(tilts).as_matrix()
     back = np.swapaxes(rotation_matrices, 1, 2)
     places, bent = np.einsum("fij,fj->fi", back, ankles - under), back @ toes
@@ -402,5 +405,7 @@ def _arms(
         stretch = reach_of(motion, body, side) / arm_rows(body, side).sum(axis=1)
         soft_thresholds[side] = np.where(placed, stretch - free * np.maximum(stretch - SOFT_IK_THRESHOLD, 0.0), 0.0)
         for first, past in runs_of(placed):
-            bends[side, first:past] = 1.0 if motion.channels[first:past, at.LIMB_BEND + side].sum() >= 0.0 else -1.0
+            bends[side, first:past] = (
+                1.0 if motion.channels[first:past, channel.LIMB_BEND + side].sum() >= 0.0 else -1.0
+            )
     return ArmStance(wrists, hands, bends, soft_thresholds, standing)

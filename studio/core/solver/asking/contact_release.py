@@ -15,7 +15,7 @@ from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.position import PositionConstraint
 from studio.core.rotations import normalized
 from studio.core.solver.asking.points import limb_of, point_indices
-from studio.core.solver.standing.stand import GroundedMotion
+from studio.core.solver.grounding.grounded_motion import GroundedMotion
 
 FloatArray = NDArray[np.float64]
 

@@ -16,11 +16,11 @@ from studio.core.solver.asking.chains import point_masses
 
 FloatArray = NDArray[np.float64]
 
-DIRECTIONS = 48
+OUTLINE_DIRECTIONS = 48
 """Number N of horizontal directions of a support function."""
-OUTLINE_SMOOTHING = 0.3
+OUTLINE_SMOOTHING_SECONDS = 0.3
 """Seconds on either side over which an outline is averaged, so that it changes smoothly with every step."""
-MASS_PATH_SMOOTHING = 0.15
+MASS_PATH_SMOOTHING_SECONDS = 0.15
 """Seconds on either side over which displacements of the mass into an outline are averaged, so that it does not bounce
 off the edge.
 """
@@ -28,7 +28,7 @@ BALL_RADIUS, HEEL_RADIUS, TIP_RADIUS = 0.19, 0.13, 0.10
 """Radii of a sole at ball, heel and tip, in lengths of the sole (an adult's foot is 0.38 of its length wide)."""
 CONTACT_RADII = {"hand": 0.05, "knee": 0.05, "seat": 0.1}
 """Radii of a hand with its fingers, of a knee, and of half a seat, in leg lengths."""
-_ANGLES = np.arange(DIRECTIONS) * (2.0 * np.pi / DIRECTIONS)
+_ANGLES = np.arange(OUTLINE_DIRECTIONS) * (2.0 * np.pi / OUTLINE_DIRECTIONS)
 _NORMALS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=1)
 _SIDEWAYS = np.stack([-np.sin(_ANGLES), np.cos(_ANGLES)], axis=1)
 _COSINE, _SINE = np.cos(_ANGLES[1]), np.sin(_ANGLES[1])
@@ -53,7 +53,7 @@ def support_polygons(
     ``positions`` (F, P, 3), ``rotations`` (F, S, 3, 3), ``standing`` (9, F) the result of ``standing_mask``. An outline
     shrinks to the middle line of a sole at most.
     """
-    found = np.full((len(positions), DIRECTIONS), -np.inf)
+    found = np.full((len(positions), OUTLINE_DIRECTIONS), -np.inf)
     for point, stands in zip(ContactPoint, standing, strict=True):
         if stands.any():
             for centres, radius in _circles(point, positions, rotations, stands, body):
@@ -65,9 +65,9 @@ def support_polygons(
 def averaged_polygons(areas: FloatArray, frame_rate: float) -> tuple[FloatArray, FloatArray]:
     """Support functions (F, N) averaged over time, and the fraction (F,) of the averaging window that is in contact."""
     stands = np.isfinite(areas[:, :1]).astype(np.float64)
-    weight = _around(stands, OUTLINE_SMOOTHING, frame_rate)
-    mean = _around(np.nan_to_num(areas), OUTLINE_SMOOTHING, frame_rate) / np.where(weight > 0.0, weight, np.nan)
-    return mean, weight[:, 0] / _around(np.ones((len(areas), 1)), OUTLINE_SMOOTHING, frame_rate)[:, 0]
+    weight = _around(stands, OUTLINE_SMOOTHING_SECONDS, frame_rate)
+    mean = _around(np.nan_to_num(areas), OUTLINE_SMOOTHING_SECONDS, frame_rate) / np.where(weight > 0.0, weight, np.nan)
+    return mean, weight[:, 0] / _around(np.ones((len(areas), 1)), OUTLINE_SMOOTHING_SECONDS, frame_rate)[:, 0]
 
 
 def support_path(
@@ -85,14 +85,14 @@ def support_path(
     it is the motion's own.
     """
     first, stop, _ = window.indices(len(positions))
-    reach = _half(OUTLINE_SMOOTHING, frame_rate) + _half(MASS_PATH_SMOOTHING, frame_rate)
+    reach = _half(OUTLINE_SMOOTHING_SECONDS, frame_rate) + _half(MASS_PATH_SMOOTHING_SECONDS, frame_rate)
     wide = slice(max(first - reach, 0), min(stop + reach, len(positions)))
     lines = support_polygons(positions[wide], rotations[wide], standing[:, wide], body, margin)
     areas, presence = averaged_polygons(lines, frame_rate)
     masses = mass_path(positions[wide], body)
     displacement = presence[:, None] * np.nan_to_num(nearest_within(areas, masses[:, :2]) - masses[:, :2])
-    masses[:, :2] += _around(displacement, MASS_PATH_SMOOTHING, frame_rate) / _around(
-        np.ones((len(displacement), 1)), MASS_PATH_SMOOTHING, frame_rate
+    masses[:, :2] += _around(displacement, MASS_PATH_SMOOTHING_SECONDS, frame_rate) / _around(
+        np.ones((len(displacement), 1)), MASS_PATH_SMOOTHING_SECONDS, frame_rate
     )
     return masses[first - wide.start : stop - wide.start]
 

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 
 from studio.core.grounds.ground import Ground
 from studio.core.runs import runs_of
-from studio.core.solver.standing.footprints import GROUND_EDGE
+from studio.core.solver.grounding.footprints import GROUND_EDGE_HEIGHT
 
 FloatArray = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ DETOUR_COSTS = np.array([1.0, 1.0, 0.08])
 """Cost of a detour in metres: per metre ahead, per metre up, per radian of pitch."""
 DETOUR_SECONDS = 0.3
 """Seconds of keeping a detour that cost as much as entering it."""
-NEAR_CONTACT = 0.12
+NEAR_CONTACT_SECONDS = 0.12
 """Seconds from a contact within which detours cost more."""
 PATH_STIFFNESS = 0.01
 """Seconds over which a path is bent; more where its acceleration would be too great."""
@@ -39,7 +39,7 @@ SOFTENING_FACTOR, SOFTENING_ROUNDS, SOFTENING_MARGIN = 1.5, 8, 0.1
 """Factor of each softening of a path, greatest number of softenings, and seconds around a sharp bend that are
 softened.
 """
-MOST_ACCELERATION, GENTLE_ACCELERATION = 0.6, 30.0
+ADDED_ACCELERATION_FRACTION, GENTLE_ACCELERATION = 0.6, 30.0
 """Greatest acceleration that a detour may add, as a fraction of the foot's own, and the one that it may have anyway, in
 m/s2.
 """
@@ -85,7 +85,7 @@ class Sole:
         return cls(ankles, feet, toes, points)
 
 
-def worn_height(ground: Ground, places: FloatArray) -> FloatArray:
+def rounded_ground_height(ground: Ground, places: FloatArray) -> FloatArray:
     """Ground height (...) in metres at ``places`` (..., 2 or 3), with every edge rounded within ``SOLE_TOLERANCE``
     metres.
     """
@@ -108,7 +108,7 @@ def clear_swing_foot(level: Sole, sole: Sole, states: NDArray[np.int64], ground:
         return sole
     displacements = np.zeros((len(states), 3))
     for first, past in spans:
-        if lacks[first:past].max() < GROUND_EDGE:
+        if lacks[first:past].max() < GROUND_EDGE_HEIGHT:
             displacements[first:past, 1] = np.maximum(lacks[first:past], 0.0)
             continue
         frames = np.arange(first, past)
@@ -188,7 +188,7 @@ def _least_detour(
     """
     count, flat = len(lifts), DETOURS * DETOUR_COSTS
     lengths = np.sum(flat**2, axis=1) + lifts**2
-    costs = lengths * (1.0 + (NEAR_CONTACT / near[:, None]) ** 4) / (frame_rate * DETOUR_SECONDS) ** 2
+    costs = lengths * (1.0 + (NEAR_CONTACT_SECONDS / near[:, None]) ** 4) / (frame_rate * DETOUR_SECONDS) ** 2
     between = np.sum((flat[:, None] - flat) ** 2, axis=2)
     total, came = costs[0] + from_ground * lengths[0], np.zeros(lifts.shape, dtype=np.int64)
     whole, displacements = np.empty(between.shape), np.arange(len(flat))
@@ -216,7 +216,7 @@ def _smooth_path(
     """
     stiff = np.full((len(displacements), 2), PATH_STIFFNESS)  # led along and turned; raised
     own = float(np.linalg.norm(np.diff(flight.sole.ankles, 2, axis=0), axis=1).max(initial=0.0))
-    most = max(MOST_ACCELERATION * own, GENTLE_ACCELERATION / frame_rate**2)
+    most = max(ADDED_ACCELERATION_FRACTION * own, GENTLE_ACCELERATION / frame_rate**2)
     for _ in range(SOFTENING_ROUNDS):
         path = _bent_path(displacements, spans, flight, 1.0 / (stiff * frame_rate) ** 4)
         bent = np.abs(np.diff(path[:, :2], 2, axis=0))

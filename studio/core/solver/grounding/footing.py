@@ -10,7 +10,7 @@ from studio.core.body.morphology import AnyMorphology, leg_rows, sole_rows
 from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, ContactPoint, spans_of
 from studio.core.compact_array import PoseArray
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.layout import LIMB_SLACK
+from studio.core.kernels.channel_columns import LIMB_SLACK
 from studio.core.kernels.limbs.legs import required_root_lowering
 from studio.core.kernels.limbs.limb import SOFT_IK_THRESHOLD, SOLE_SOFT_IK_THRESHOLD
 from studio.core.kernels.limits.root_reach_limit import HALF_FREE_REACH
@@ -22,10 +22,17 @@ from studio.core.kernels.support.leg_lengths import keep_leg_lengths
 from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STANDS
 from studio.core.kernels.support.swing_foot_clearance import raise_swing_foot
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.solver.standing.blends import AVERAGED, GOES_ALONG, LET_GO, averaged, release_weight, smooth_drops
-from studio.core.solver.standing.footprints import find_footprints, project_to_terrain
-from studio.core.solver.standing.obliquity import dip_pelvis
-from studio.core.solver.standing.swing_foot_path import Sole, clear_swing_foot
+from studio.core.solver.grounding.contact_blending import (
+    DISPLACEMENT_RETURN_SECONDS,
+    RELEASE_SECONDS,
+    ROOT_AVERAGE_SECONDS,
+    hann_average,
+    release_weight,
+    smooth_drops,
+)
+from studio.core.solver.grounding.footprints import find_footprints, project_to_terrain
+from studio.core.solver.grounding.pelvis_tilt import tilt_pelvis_to_feet
+from studio.core.solver.grounding.swing_foot_path import Sole, clear_swing_foot
 from studio.core.windows import bell_average
 
 FloatArray = NDArray[np.float64]
@@ -34,11 +41,11 @@ FOLDED_LEG, FOLD_MARGIN, FOLD_CORNER = 0.3, 0.12, 0.03
 """Least distance of a folded leg's ankle below its hip, tolerance of that distance, and rounding of its corner, all in
 leg lengths. The distance decreases with the horizontal distance from the hip, to zero at a leg's length.
 """
-FOLLOW_SMOOTHING = AVERAGED / 5.0
+FOLLOW_SMOOTHING_SECONDS = ROOT_AVERAGE_SECONDS / 5.0
 """Standard deviation in seconds of the smoothing of the root's displacement with its feet."""
-ROLL_SMOOTHING = 0.012
+ROLL_SMOOTHING_SECONDS = 0.012
 """Standard deviation in seconds of the smoothing of a rolling foot's pitch."""
-CLIMB_SMOOTHING = 0.09
+CLIMB_SMOOTHING_SECONDS = 0.09
 """Standard deviation in seconds of the smoothing with which the root follows the heights of footprints."""
 
 
@@ -133,12 +140,12 @@ def find_footing(
         off = ankles - positions[:, [morphology.layout.ankle_point(side) for side in range(2)]].transpose(1, 0, 2)
         dips = np.zeros_like(off)
         if carried is None:  # hands, knees and seat that stand leave the pelvis no room
-            dips = dip_pelvis(off, states, morphology, motion.frame_rate, positions, rotations)
+            dips = tilt_pelvis_to_feet(off, states, morphology, motion.frame_rate, positions, rotations)
         goes = root_follow(off - dips, states, motion.frame_rate, positions, morphology)
         goes *= 1.0 if carried is None else carried[:, None]
         positions += goes[:, None]
         for side, planted in enumerate(states != 0):
-            free = release_weight(planted, motion.frame_rate, GOES_ALONG)[:, None]
+            free = release_weight(planted, motion.frame_rate, DISPLACEMENT_RETURN_SECONDS)[:, None]
             ankles[side] += free * (goes + dips[side] - off[side])
         for foot, soft_threshold, plan in zip(standing, soft_thresholds, plans, strict=True):
             foot.roll(soft_threshold, positions, plan)
@@ -164,7 +171,7 @@ def _draped_footing(
     feet_fraction = np.ones(motion.frame_count) if carried is None else carried
     ankles, feet, toes = _stacked([each.foot for each in draped])
     climb = np.mean([each.heights for each in draped], axis=0)
-    climb = feet_fraction * bell_average(climb, CLIMB_SMOOTHING * motion.frame_rate)
+    climb = feet_fraction * bell_average(climb, CLIMB_SMOOTHING_SECONDS * motion.frame_rate)
     soft_thresholds = leg_soft_thresholds(motion, states, False)  # draping has put down heels that would hang
     runs = reach_relaxation(leg_freedoms(states, motion.frame_rate))
     relative = ankles - positions[:, 0]
@@ -266,7 +273,7 @@ class _Foot:
             self.body.layout.foot_segment(self.side),
         )
         plan.ankles[:], plan.feet[:], plan.toes[:] = positions[:, ankle], rotations[:, foot], rotations[:, foot + 1]
-        balls, reach = np.ascontiguousarray(positions[:, ankle + 1, 2]), LET_GO * self.frame_rate
+        balls, reach = np.ascontiguousarray(positions[:, ankle + 1, 2]), RELEASE_SECONDS * self.frame_rate
         plan_foot(self.states, self.soles, self.ground.height, self.ground.is_level, reach, balls, plan)
         if not self.ground.is_level:
             self._keep_above(plan)
@@ -281,8 +288,8 @@ class _Foot:
         reaches = soft_thresholds * bones.sum(axis=1)
         pitches = np.empty((len(hips), 2))
         find_roll_pitches(self.soles, self.states, hips, reaches, plan.ankles, plan.feet, pitches)
-        pitches = bell_average(pitches, ROLL_SMOOTHING * self.frame_rate)
-        roll_feet(self.soles, self.states, pitches, LET_GO * self.frame_rate, plan.ankles, plan.feet)
+        pitches = bell_average(pitches, ROLL_SMOOTHING_SECONDS * self.frame_rate)
+        roll_feet(self.soles, self.states, pitches, RELEASE_SECONDS * self.frame_rate, plan.ankles, plan.feet)
         self._keep_above(plan)
 
     def _keep_above(self, plan: FootPlan) -> None:
@@ -312,7 +319,7 @@ def root_follow(
 ) -> FloatArray:
     """Displacement (F, 3) in metres by which a body follows feet that are displaced by ``off`` (2, F, 3).
 
-    It is the mean over the standing feet, averaged over ``AVERAGED`` seconds on either side, so that the leg of a
+    It is the mean over the standing feet, averaged over ``ROOT_AVERAGE_SECONDS`` on either side, so that the leg of a
     single support is unchanged. For two flat feet with different displacements the legs keep their lengths.
     ``positions`` (F, P, 3).
     """
@@ -324,10 +331,10 @@ def root_follow(
         interpolate_gaps(off[side], stands[side])
     frames, carried = np.arange(stands.shape[1]), np.flatnonzero(stands.any(axis=0))
     fraction = np.interp(frames, carried, (stands[0] / np.maximum(stands.sum(axis=0), 1))[carried])
-    weights = averaged(np.column_stack([fraction, *(states == SOLE_STANDS)]), AVERAGED, frame_rate)
+    weights = hann_average(np.column_stack([fraction, *(states == SOLE_STANDS)]), ROOT_AVERAGE_SECONDS, frame_rate)
     displacement = off[1] + weights[:, :1] * (off[0] - off[1])
     keep_leg_lengths(off, weights, (body.layout.hip_point(0), body.layout.hip_point(1)), positions, displacement)
-    return bell_average(displacement, FOLLOW_SMOOTHING * frame_rate)
+    return bell_average(displacement, FOLLOW_SMOOTHING_SECONDS * frame_rate)
 
 
 def leg_freedoms(states: NDArray[np.int64], frame_rate: float) -> FloatArray:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnimatedMorphology, sole_rows
 from studio.core.captures.contacts import FOOT_POINTS
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.kernels.limbs.legs import required_root_lowering
 from studio.core.kernels.solve_clip import place_frames
 from studio.core.normalized.differences import rotation_vectors
@@ -30,14 +30,14 @@ from studio.core.normalized.transition import (
     speed_decay_times,
 )
 from studio.core.rotations import from_matrix, sign_continuous
-from studio.core.solver.standing.blends import smooth_drops
-from studio.core.solver.standing.footing import Footing, foot_contacts, leg_freedoms, reach_relaxation
-from studio.core.solver.standing.held_foot import FootPath, HeldFoot, turned
-from studio.core.solver.standing.stepping import FootFlight, carrying, flights_of, states_of
-from studio.core.solver.standing.tipping import depths_of, heights_of, out_of_ground, seen_coming
+from studio.core.solver.grounding.contact_blending import smooth_drops
+from studio.core.solver.grounding.foot_tipping import depths_of, early_envelope, heights_of, raised_out_of_ground
+from studio.core.solver.grounding.footing import Footing, foot_contacts, leg_freedoms, reach_relaxation
+from studio.core.solver.grounding.held_foot import FootPath, HeldFoot, rotated_by_vectors
+from studio.core.solver.grounding.stepping import FootFlight, carrying, flights_of, states_of
 
 if TYPE_CHECKING:
-    from studio.core.solver.standing.stand import GroundedMotion
+    from studio.core.solver.grounding.grounded_motion import GroundedMotion
 
 FloatArray = NDArray[np.float64]
 
@@ -93,7 +93,7 @@ class Stance:
         return cls(positions, rotations, *stance, *known, standing.root_peak)
 
 
-def inertialised_from(
+def inertialised_motion(
     standing: "GroundedMotion", first: int, seen: Stance, seconds: float = 0.0, planned: bool = False
 ) -> "GroundedMotion":
     """Grounded motion that is inertialised at frame ``first`` from the previous stance ``seen``; earlier frames are
@@ -132,7 +132,7 @@ def _with_limbs(
     """Motion with the limb channels of posed frames ``near`` the transition, so that knees keep their directions."""
     body, channels = standing.morphology, standing.motion.channels.copy()
     still = body.at(near.start) if isinstance(body, AnimatedMorphology) else body
-    limbs = slice(at.LIMB_FRAME, at.HAND)
+    limbs = slice(channel.LIMB_FRAME, channel.HAND)
     posed = encode_motion(positions[near], rotations[near], still, standing.motion.frame_rate)
     channels[near, limbs] = posed.channels[:, limbs]
     return replace(standing.motion, channels=channels)
@@ -348,7 +348,7 @@ class _Change:
         layout, free = self.standing.morphology.layout, flight.free(self.times, self.rate)[:, None]
         segment = layout.foot_segment(side)
         feet, toes = (
-            turned(free * _rotation_differences(part, rotations[self.first :, segment + off]), part)
+            rotated_by_vectors(free * _rotation_differences(part, rotations[self.first :, segment + off]), part)
             for off, part in enumerate((base.feet, base.toes))
         )
         ankles = base.ankles + free * (positions[self.first :, layout.ankle_point(side)] - base.ankles)
@@ -373,7 +373,7 @@ class _Change:
         measures, ground = self.soles(side), self.standing.ground
         own = depths_of(self.feet[side].own, measures, ground)
         deeper = np.maximum(depths_of(foot, measures, ground) - own, 0.0)
-        return out_of_ground(foot, measures, seen_coming(deeper, states != 0, self.rate))
+        return raised_out_of_ground(foot, measures, early_envelope(deeper, states != 0, self.rate))
 
     def displace_body(self, goes: FloatArray, positions: FloatArray, rotations: FloatArray) -> slice:
         """Displace the root by ``goes`` (F, 3), and add the remaining differences to root and joints, in place.
@@ -394,12 +394,12 @@ class _Change:
         for segment in range(len(self.peaks)):
             left = self.left(self.turns[:, segment], float(self.peaks[segment]), 1.0, seconds[segment])[:count]
             if segment == 0:
-                led.turns[:, 0] = turned(left, led.old_turns[:, 0])
+                led.turns[:, 0] = rotated_by_vectors(left, led.old_turns[:, 0])
                 continue
             parent = parents[segment]
             led.carry(proximal[segment], parent, proximal[parent])
             local = np.swapaxes(led.old_turns[:, parent], 1, 2) @ led.old_turns[:, segment]
-            led.turns[:, segment] = led.turns[:, parent] @ turned(left, local)
+            led.turns[:, segment] = led.turns[:, parent] @ rotated_by_vectors(left, local)
         hands = [(layout.wrist_point(side) + 1, layout.hand_segment(side)) for side in range(2)]
         toes = [(layout.ankle_point(side) + 2, layout.toe_segment(side)) for side in range(2)]
         for end, segment in ((layout.head_end, layout.spine_count + 1), *hands, *toes):

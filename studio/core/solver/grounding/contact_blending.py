@@ -8,20 +8,20 @@ from scipy.ndimage import convolve1d
 
 from studio.core.kernels.limbs.legs import smooth_lowering
 from studio.core.kernels.support.gap_interpolation import interpolate_gaps, release_weights
-from studio.core.kernels.support.swing_foot_clearance import SWING_FADE
+from studio.core.kernels.support.swing_foot_clearance import SWING_FADE_SECONDS
 
 FloatArray = NDArray[np.float64]
 
-LET_GO, SLOWLY_LET_GO = 0.2, 0.3
+RELEASE_SECONDS, SLOW_RELEASE_SECONDS = 0.2, 0.3
 """Seconds of release and return of contacts. The first for a foot or knee that comes to rest or starts, for a weight
 that passes to the next support, and for a hand that leaves the body; the second, slower, for a hand on the ground or
 the seat.
 """
-GOES_ALONG = 0.4
+DISPLACEMENT_RETURN_SECONDS = 0.4
 """Seconds in which a body displaced with its contacts returns to the motion's own position."""
-LOOK_AHEAD = SWING_FADE
+LOWERING_LEAD_SECONDS = SWING_FADE_SECONDS
 """Seconds before and after a necessary root lowering over which the root is lowered."""
-AVERAGED = 0.1
+ROOT_AVERAGE_SECONDS = 0.1
 """Seconds on either side over which the root's displacements, and the weights of the feet that it follows, are
 averaged.
 """
@@ -39,13 +39,13 @@ def hann_window(half: int) -> FloatArray:
     return np.asarray(window / window.sum())
 
 
-def averaged(values: FloatArray, reach: float, frame_rate: float) -> FloatArray:
+def hann_average(values: FloatArray, reach: float, frame_rate: float) -> FloatArray:
     """``values`` (F, N) averaged over ``reach`` seconds on either side by a Hann window."""
     half = max(1, round(reach * frame_rate))
     return np.asarray(convolve1d(values, hann_window(half), axis=0, mode="nearest"))
 
 
-def release_weight(planted: NDArray[np.bool_], frame_rate: float, after: float = SWING_FADE) -> FloatArray:
+def release_weight(planted: NDArray[np.bool_], frame_rate: float, after: float = SWING_FADE_SECONDS) -> FloatArray:
     """Weight (F,) that is 0 in ``planted`` frames, rising smoothly to 1 within ``after`` seconds of the nearest one."""
     free = np.empty(len(planted))
     release_weights(planted, after * frame_rate, free)
@@ -53,13 +53,16 @@ def release_weight(planted: NDArray[np.bool_], frame_rate: float, after: float =
 
 
 def interpolated_corrections(corrections: FloatArray, known: NDArray[np.bool_], frame_rate: float) -> FloatArray:
-    """Corrections (F, 3), given where ``known`` (F,), interpolated between, or fading over ``GOES_ALONG`` seconds.
+    """Corrections (F, 3), given where ``known`` (F,), interpolated between, or fading over
+    ``DISPLACEMENT_RETURN_SECONDS``.
 
     A point released from a contact then keeps the motion's own speed: one that stayed at rest would have less time for
     its path.
     """
     filled = corrections.copy()
-    interpolate_gaps(filled, known | (_frames_to_nearest(known) >= max(round(GOES_ALONG * frame_rate), 1)))
+    interpolate_gaps(
+        filled, known | (_frames_to_nearest(known) >= max(round(DISPLACEMENT_RETURN_SECONDS * frame_rate), 1))
+    )
     return filled
 
 
@@ -80,7 +83,7 @@ def smooth_drops(drops: FloatArray, frame_rate: float) -> FloatArray:
     if not (drops > 0.0).any():
         return np.zeros(len(drops))
     peaks, smooth = np.empty_like(drops), np.empty_like(drops)
-    smooth_lowering(drops, hann_window(max(1, round(LOOK_AHEAD * frame_rate))), peaks, smooth)
+    smooth_lowering(drops, hann_window(max(1, round(LOWERING_LEAD_SECONDS * frame_rate))), peaks, smooth)
     return smooth
 
 

@@ -11,19 +11,19 @@ from studio.core.body.morphology import AnyMorphology, sole_rows
 from studio.core.captures.contacts import ContactInterval
 from studio.core.kernels.support.gap_interpolation import interpolate_gaps
 from studio.core.kernels.support.sole import SOLE_STANDS
-from studio.core.solver.standing.blends import release_weight
-from studio.core.solver.standing.footing import foot_states
+from studio.core.solver.grounding.contact_blending import release_weight
+from studio.core.solver.grounding.footing import foot_states
 from studio.core.windows import bell_average
 
 FloatArray = NDArray[np.float64]
 
-FLOOR_SMOOTHING = 0.05
+FLOOR_SMOOTHING_SECONDS = 0.05
 """Standard deviation in seconds of the smoothing of the floor between footprints."""
 SWING_FOOT_WEIGHT = 0.01
 """Weight of a swing foot in the floor's mean height, relative to a standing foot."""
 
 
-def shown_floor(
+def captured_floor(
     contacts: Sequence[ContactInterval], positions: FloatArray, body: AnyMorphology, frame_rate: float
 ) -> FloatArray:
     """Floor heights (F,) in metres under a retargeted motion with ``positions`` (F, P, 3), from its standing soles.
@@ -42,7 +42,7 @@ def shown_floor(
     floors -= np.median(floors - floors.mean(axis=0), axis=1, keepdims=True)
     weights = np.array([1.0 - release_weight(flat[side], frame_rate) for side in sides]) + SWING_FOOT_WEIGHT
     floor = np.average(floors, axis=0, weights=weights)
-    return bell_average(floor, FLOOR_SMOOTHING * frame_rate)
+    return bell_average(floor, FLOOR_SMOOTHING_SECONDS * frame_rate)
 
 
 def _passed_on(heights: FloatArray, known: NDArray[np.bool_]) -> FloatArray:

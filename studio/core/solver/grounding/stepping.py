@@ -16,9 +16,9 @@ from studio.core.runs import runs_of
 FloatArray = NDArray[np.float64]
 States = NDArray[np.int64]
 
-SWING_PACE = 0.4
+SWING_SECONDS_PER_LEG = 0.4
 """Additional seconds of a foot in the air for each leg length of its displacement, in planned transitions."""
-SHORTEST_SWING = 0.35
+SHORTEST_SWING_SECONDS = 0.35
 """Least seconds of a foot in the air that is to land where its own motion already stands."""
 
 
@@ -83,9 +83,9 @@ def flights_of(
         swings = not standing[side] and (own[side, 0] or not seen[side])  # else the motion itself lifts it at once
         if planned and swings and displacements[side] >= SAME_PLACE:
             height = step_height(displacements[side])
-            seconds = max(seconds, LEAST_TRANSITION + SWING_PACE * displacements[side])
+            seconds = max(seconds, LEAST_TRANSITION + SWING_SECONDS_PER_LEG * displacements[side])
             if own[side, 0]:
-                seconds = min(seconds, max(_run(own[side]) / rate / 2.0, SHORTEST_SWING))
+                seconds = min(seconds, max(_run(own[side]) / rate / 2.0, SHORTEST_SWING_SECONDS))
         if standing[side]:
             least, seconds = (
                 given / max(steps.sum(), 1) or max(needed[0, side], BLEND_STEP_SECONDS + each * displacements[side])

@@ -8,7 +8,7 @@ from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
 from studio.core.normalized.compose import Composite
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.solver.performers.awaiting import with_anticipated_targets
+from studio.core.solver.performers.anticipated_targets import with_anticipated_targets
 from studio.core.solver.performers.dependency_cycles import CycleMember, solve_cycle
 from studio.core.solver.performers.rows import ClipConstraint, composite_of, constraints_in, corrections_in
 from studio.core.solver.performers.stage import constraints_of_performer, leaders_first, tracks_followed_by, tracks_of
@@ -16,9 +16,9 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
 
-Prepare = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
+PrepareCapture = Callable[[Capture], tuple[NormalizedMotion, Morphology]]
 """Function that normalises a capture and measures its actor; StudioError without a body map."""
-Solve = Callable[[AdaptRequest], AdaptedMotion]
+SolveRequest = Callable[[AdaptRequest], AdaptedMotion]
 """Function that solves a request."""
 
 
@@ -51,7 +51,7 @@ class StagedPerformances:
 
 
 def adapt_performers(
-    project: Project, performer_ids: Iterable[str], prepare: Prepare, solve: Solve
+    project: Project, performer_ids: Iterable[str], prepare: PrepareCapture, solve: SolveRequest
 ) -> StagedPerformances:
     """Adapt the given performers and all that they follow; a failure affects only the performer and its followers."""
     known: dict[int, tuple[NormalizedMotion, Morphology]] = {}
@@ -72,7 +72,11 @@ def adapt_performers(
 
 
 def _perform(
-    project: Project, circle: tuple[str, ...], prepare: Prepare, solve: Solve, done: Mapping[str, Performance]
+    project: Project,
+    circle: tuple[str, ...],
+    prepare: PrepareCapture,
+    solve: SolveRequest,
+    done: Mapping[str, Performance],
 ) -> dict[str, Performance]:
     """Performances of one dependency cycle, or of a performer by itself, given those ``done`` before."""
 
@@ -109,7 +113,7 @@ def player_of(
     project: Project,
     performer_id: str,
     circle: tuple[str, ...],
-    prepare: Prepare,
+    prepare: PrepareCapture,
     result_of: Callable[[str], AdaptedMotion | None],
 ) -> CycleMember:
     """Performer with its request, without the tracks of the other members of its dependency cycle ``circle``.
@@ -133,7 +137,9 @@ def player_of(
     return CycleMember(request, composite, Placement.of(performer), project.props)
 
 
-def unconstrained_request(project: Project, performer_id: str, composite: Composite, prepare: Prepare) -> AdaptRequest:
+def unconstrained_request(
+    project: Project, performer_id: str, composite: Composite, prepare: PrepareCapture
+) -> AdaptRequest:
     """Request of a performer's composite motion on its body and ground, without constraints."""
     performer = project.performers[performer_id]
     character = project.characters[performer.character_id]
@@ -152,10 +158,10 @@ def unconstrained_request(project: Project, performer_id: str, composite: Compos
     )
 
 
-def motion_of(project: Project, motion_id: str, prepare: Prepare) -> NormalizedMotion:
+def motion_of(project: Project, motion_id: str, prepare: PrepareCapture) -> NormalizedMotion:
     """Normalised motion with the id ``motion_id``."""
     return _prepared(project, motion_id, prepare)[0]
 
 
-def _prepared(project: Project, motion_id: str, prepare: Prepare) -> tuple[NormalizedMotion, Morphology]:
+def _prepared(project: Project, motion_id: str, prepare: PrepareCapture) -> tuple[NormalizedMotion, Morphology]:
     return prepare(project.captures[project.motions[motion_id].capture_id])

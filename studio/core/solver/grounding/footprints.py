@@ -16,27 +16,27 @@ from studio.core.body.morphology import at_frames
 from studio.core.captures.contacts import spans_of
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS
-from studio.core.solver.standing.blends import smoothstep_array
+from studio.core.solver.grounding.contact_blending import smoothstep_array
 
 FloatArray = NDArray[np.float64]
 
-GROUND_EDGE = 0.03
+GROUND_EDGE_HEIGHT = 0.03
 """Deviation in metres of the ground under a sole from the plane of its slope, beyond which the ground has an edge
 there.
 """
-STEEPEST_SOLE = np.radians(35.0)
+STEEPEST_SOLE_SLOPE = np.radians(35.0)
 """Greatest slope in radians that a sole takes."""
-TOES_BEND = np.radians([-20.0, 40.0])
+TOE_BEND_RANGE = np.radians([-20.0, 40.0])
 """Greatest bend of toes, down and up, in radians, to follow the ground beyond the ball; steeper ground is ignored."""
-LONGEST_FLIGHT = 1.0
+LONGEST_FLIGHT_SECONDS = 1.0
 """Seconds without contact from which on a foot follows the ground below it."""
-WAYPOINT = 0.5 * LONGEST_FLIGHT
+WAYPOINT_SECONDS = 0.5 * LONGEST_FLIGHT_SECONDS
 """Seconds between samples of the ground below a foot in a long flight."""
-SHORTEST_RAMP = 0.25
+SHORTEST_RAMP_SECONDS = 0.25
 """Seconds before the first and after the last contact up to which a foot does not follow the ground."""
-RISE_EARLY, SINK_LATE = 0.2, 0.12
+EARLY_RISE_FRACTION, LATE_SINK_FRACTION = 0.2, 0.12
 """Greatest fraction of a flight by which a foot rises early, or sinks late."""
-CLIMB_TIME = 0.36
+LEAST_CLIMB_SECONDS = 0.36
 """Least seconds of a rise or descent; flights that are hardly longer neither rise early nor sink late."""
 _SETTLING = 4
 """Iterations of a sole along the plane under it."""
@@ -103,8 +103,8 @@ def planes_under(ground: Ground, soles: FloatArray) -> SolePlanes:
     slopes = -normals[..., :2] / normals[..., 2:]
     expected = np.einsum("npk,nk->n", slopes[:, :2] / 2, line)
     tip_expected = np.einsum("nk,nk->n", slopes[:, 1:].mean(axis=1), soles[:, 2] - soles[:, 1])
-    edge = (np.abs(heights[:, 1] - heights[:, 0] - expected) > GROUND_EDGE) | (
-        heights[:, 2] - heights[:, 1] - tip_expected > GROUND_EDGE
+    edge = (np.abs(heights[:, 1] - heights[:, 0] - expected) > GROUND_EDGE_HEIGHT) | (
+        heights[:, 2] - heights[:, 1] - tip_expected > GROUND_EDGE_HEIGHT
     )
     across = np.stack([-along[:, 1], along[:, 0]], axis=1)
     rise = (heights[:, 1] - heights[:, 0]) / length[:, 0]
@@ -112,17 +112,17 @@ def planes_under(ground: Ground, soles: FloatArray) -> SolePlanes:
     slope = rise[:, None] * along + lean[:, None] * across
     highest, rows = heights.argmax(axis=1), np.arange(len(soles))
     slope = np.where(edge[:, None], slopes[rows, highest], slope)
-    steep = np.linalg.norm(slope, axis=1, keepdims=True) / np.tan(STEEPEST_SOLE)
+    steep = np.linalg.norm(slope, axis=1, keepdims=True) / np.tan(STEEPEST_SOLE_SLOPE)
     slope = slope / np.maximum(steep, 1.0)
     level = np.where(edge | (steep[:, 0] > 1.0), highest, 1)
     at_ball = heights[rows, level] + np.einsum("nk,nk->n", slope, soles[:, 1] - soles[rows, level])
     at_heel = at_ball - np.einsum("nk,nk->n", slope, line)
-    overhangs = np.stack([at_heel - heights[:, 0], at_ball - heights[:, 1]], axis=1) > GROUND_EDGE
+    overhangs = np.stack([at_heel - heights[:, 0], at_ball - heights[:, 1]], axis=1) > GROUND_EDGE_HEIGHT
     normal = np.column_stack([-slope, np.ones(len(slope))])
     to_tip = soles[:, 2] - soles[:, 1]
     gap = heights[:, 2] - at_ball - np.einsum("nk,nk->n", slope, to_tip)
     bends = np.arctan2(gap, np.maximum(np.linalg.norm(to_tip, axis=1), 1e-9))
-    bends = np.where(edge | (bends < TOES_BEND[0]) | (bends > TOES_BEND[1]), 0.0, bends)
+    bends = np.where(edge | (bends < TOE_BEND_RANGE[0]) | (bends > TOE_BEND_RANGE[1]), 0.0, bends)
     return SolePlanes(at_ball, normal / np.linalg.norm(normal, axis=1, keepdims=True), overhangs, bends)
 
 
@@ -226,8 +226,8 @@ def _with_waypoints(prints: Footprints, ankles: FloatArray, ground: Ground, fram
     for before, after in borders.tolist():
         at_end = before < 0 or after >= count
         gap = (after - before) / frame_rate
-        if gap > (SHORTEST_RAMP if at_end else LONGEST_FLIGHT) or not len(prints.first):
-            pieces = max(round(gap / WAYPOINT), 1)
+        if gap > (SHORTEST_RAMP_SECONDS if at_end else LONGEST_FLIGHT_SECONDS) or not len(prints.first):
+            pieces = max(round(gap / WAYPOINT_SECONDS), 1)
             inner = np.linspace(max(before, 0), min(after, count - 1), pieces + 1).astype(int)
             keep_first, keep_last = before < 0, after >= count
             frames += inner[0 if keep_first else 1 : None if keep_last else -1].tolist()
@@ -266,8 +266,8 @@ def _interpolated(prints: Footprints, values: FloatArray, count: int, frame_rate
     change = values[following] - values[before]
     eased = values[before] + smoothstep_array(fraction)[:, None] * change
     if frame_rate < math.inf:
-        most = np.where(change[:, 2] > 0.0, RISE_EARLY, SINK_LATE)
-        haste = np.clip(1.0 - CLIMB_TIME * frame_rate / gap, 0.0, most)
+        most = np.where(change[:, 2] > 0.0, EARLY_RISE_FRACTION, LATE_SINK_FRACTION)
+        haste = np.clip(1.0 - LEAST_CLIMB_SECONDS * frame_rate / gap, 0.0, most)
         rising = np.where(change[:, 2] > 0.0, fraction, fraction - haste) / (1.0 - haste)
         eased[:, 2] = values[before][:, 2] + smoothstep_array(np.clip(rising, 0.0, 1.0)) * change[:, 2]
     return np.asarray(eased)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from studio.core.solver.standing.stand import GroundedMotion
+    from studio.core.solver.grounding.grounded_motion import GroundedMotion
 
 FloatArray = NDArray[np.float64]
 
@@ -15,7 +15,7 @@ _PLACE, _KNEE_FACES = 2, 5
 """Columns of an ankle target with the heights of the ankle and of the knee target (``Footing.ankles``)."""
 
 
-def lifted(standing: "GroundedMotion", height: float) -> "GroundedMotion":
+def moved_to_height(standing: "GroundedMotion", height: float) -> "GroundedMotion":
     """Grounded motion moved up or down with its ground to ``height`` metres."""
     rise = height - standing.ground.height
     positions, ankles = standing.positions.copy(), standing.footing.ankles.copy()

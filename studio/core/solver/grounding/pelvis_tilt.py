@@ -6,7 +6,12 @@ from numpy.typing import NDArray
 from studio.core.body.morphology import AnyMorphology
 from studio.core.kernels.support.gap_interpolation import interpolate_gaps
 from studio.core.kernels.support.pelvic_obliquity import tilt_pelvis
-from studio.core.solver.standing.blends import AVERAGED, GOES_ALONG, averaged, release_weight
+from studio.core.solver.grounding.contact_blending import (
+    DISPLACEMENT_RETURN_SECONDS,
+    ROOT_AVERAGE_SECONDS,
+    hann_average,
+    release_weight,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -16,7 +21,7 @@ displaced by over 5 mm.
 """
 
 
-def dip_pelvis(
+def tilt_pelvis_to_feet(
     off: FloatArray,
     states: NDArray[np.int64],
     body: AnyMorphology,
@@ -36,9 +41,9 @@ def dip_pelvis(
     target = off.copy()
     for side in range(2):
         interpolate_gaps(target[side], stands[side])
-    apart = averaged(target[0, :, 2:] - target[1, :, 2:], AVERAGED, frame_rate)[:, 0]
+    apart = hann_average(target[0, :, 2:] - target[1, :, 2:], ROOT_AVERAGE_SECONDS, frame_rate)[:, 0]
     for each in stands:
-        apart *= 1.0 - release_weight(each, frame_rate, GOES_ALONG)
+        apart *= 1.0 - release_weight(each, frame_rate, DISPLACEMENT_RETURN_SECONDS)
     hips = body.layout.hip_point(0), body.layout.hip_point(1)
     tilt_pelvis(hips, apart, MAX_OBLIQUITY, positions, rotations, moved)
     return moved

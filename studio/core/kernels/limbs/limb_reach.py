@@ -21,16 +21,16 @@ from studio.core.kernels.body.parts import distal_range, rotate_part
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel, small_kernel
 
-SWIVEL_LEVER = 2.0 * 0.08 * 0.08
+SWIVEL_FADE_LEVER = 2.0 * 0.08 * 0.08
 """Product in square metres, of the distances of point and target from the swivel's axis, above which a swivel is not
 faded.
 """
-SWIVEL_ANGLE = 0.5 * math.pi
+SWIVEL_FADE_ANGLE = 0.5 * math.pi
 """Swivel in radians up to which it is not faded. Near half a turn both directions of rotation are equally short."""
-HYPEREXTENDED = 0.85 * math.pi
+HYPEREXTENSION_ANGLE = 0.85 * math.pi
 """Bend in radians, backwards, beyond which a limb counts as overstretched rather than bent backwards."""
-COS_HYPEREXTENDED = math.cos(HYPEREXTENDED)
-"""Cosine of ``HYPEREXTENDED``."""
+COS_HYPEREXTENSION_ANGLE = math.cos(HYPEREXTENSION_ANGLE)
+"""Cosine of ``HYPEREXTENSION_ANGLE``."""
 
 
 @small_kernel
@@ -61,8 +61,8 @@ def bend_coefficients(root, middle, hinge, point):
     """
     c0, cosine, sine = distance_coefficients(root, middle, hinge, point)
     angle = math.atan2(sine, cosine)
-    side = -1.0 if -HYPEREXTENDED < angle < 0.0 else 1.0
-    angle = abs(angle) if angle > -HYPEREXTENDED else angle + 2.0 * math.pi
+    side = -1.0 if -HYPEREXTENSION_ANGLE < angle < 0.0 else 1.0
+    angle = abs(angle) if angle > -HYPEREXTENSION_ANGLE else angle + 2.0 * math.pi
     return c0, math.sqrt(cosine * cosine + sine * sine), angle, side
 
 
@@ -120,7 +120,7 @@ def bend_to_distance(distance, rotation, root, middle, point):
     cosine, sine = per * cosine, per * sine
     goal = min(max(0.5 * per * (c0 - distance * distance), -1.0), 1.0)
     side = math.sqrt(1.0 - goal * goal)
-    if sine < 0.0 and cosine > COS_HYPEREXTENDED:
+    if sine < 0.0 and cosine > COS_HYPEREXTENSION_ANGLE:
         side = -side
     return rotation_about_axis(hinge, cosine * goal + sine * side, sine * goal - cosine * side)
 
@@ -178,10 +178,10 @@ def swivel_rotation(target, point, held, pivot):
     sine = ax * (ry * qz - rz * qy) + ay * (rz * qx - rx * qz) + az * (rx * qy - ry * qx)
     cosine = rx * qx + ry * qy + rz * qz
     lever = math.sqrt(sine * sine + cosine * cosine)
-    if lever < SWIVEL_LEVER or cosine < 0.0:
+    if lever < SWIVEL_FADE_LEVER or cosine < 0.0:
         angle = math.atan2(sine, cosine)
-        fraction = smoothstep(min((math.pi - abs(angle)) / (math.pi - SWIVEL_ANGLE), 1.0))
-        sine, cosine = sine_and_cosine(fraction * smoothstep(min(lever / SWIVEL_LEVER, 1.0)) * angle)
+        fraction = smoothstep(min((math.pi - abs(angle)) / (math.pi - SWIVEL_FADE_ANGLE), 1.0))
+        sine, cosine = sine_and_cosine(fraction * smoothstep(min(lever / SWIVEL_FADE_LEVER, 1.0)) * angle)
     else:
         sine, cosine = sine / lever, cosine / lever
     return (ax, ay, az), sine, cosine

@@ -23,15 +23,15 @@ from studio.core.normalized.transition import (
 )
 from studio.core.rotations import from_matrix, sign_continuous
 from studio.core.runs import runs_of
-from studio.core.solver.standing.stepping import FootFlight
+from studio.core.solver.grounding.stepping import FootFlight
 
 FloatArray = NDArray[np.float64]
 States = NDArray[np.int64]
 
 
-FLOWN = 0.3
+MAX_FLOWN_DISTANCE = 0.3
 """Greatest distance in metres by which a lifted foot's path keeps the rotation of its contact, approached softly."""
-FLAT_TOE = 1e-3
+FLAT_TOE_PITCH = 1e-3
 """Downward pitch in radians up to which toes count as flat."""
 
 
@@ -66,7 +66,7 @@ def toe_pivot(measures: FloatArray, *toes: FloatArray) -> Pivot:
     sole below the ball.
     """
     _, joint, thickness, tip = sole_arms(measures)
-    return Pivot(joint[0], tip[0] if min(each[2, 0] for each in toes) < -FLAT_TOE else -thickness[0])
+    return Pivot(joint[0], tip[0] if min(each[2, 0] for each in toes) < -FLAT_TOE_PITCH else -thickness[0])
 
 
 class SoleArms(NamedTuple):
@@ -160,7 +160,7 @@ class HeldFoot:
         rolled = self.own.places(self.pivot) - self._came_down(flight.leaves)
         last = min(flight.leaves, len(rolled) - 1)
         flown = rolled[last:] - rolled[last]
-        flown /= (1.0 + (np.linalg.norm(flown, axis=1, keepdims=True) / FLOWN) ** 4) ** 0.25
+        flown /= (1.0 + (np.linalg.norm(flown, axis=1, keepdims=True) / MAX_FLOWN_DISTANCE) ** 4) ** 0.25
         rolled[last:] = rolled[last] + flown
         return np.asarray(self.aside + Rotation.from_rotvec([0.0, 0.0, self.heading]).apply(rolled) - rolled)
 
@@ -179,7 +179,7 @@ class HeldFoot:
     @cached_property
     def heading(self) -> float:
         """Angle in radians about Z from the own resting heading to the previous one."""
-        return float(turns_between(self.own.feet[self.rest : self.rest + 1], self.seen.feet[1:])[0, 2])
+        return float(rotation_vectors_between(self.own.feet[self.rest : self.rest + 1], self.seen.feet[1:])[0, 2])
 
     def settling(self, flight: FootFlight, seconds: float) -> float:
         """Seconds in which the foot blends to its own pose.
@@ -200,7 +200,7 @@ class HeldFoot:
         kept = remaining_offset_fraction(times - flight.leaves / self.rate, flight.seconds)
         headings = kept[:, None] * [0.0, 0.0, self.heading]
         feet, toes = (
-            self._lain(turned(headings, own), seen, peak, lies, times)
+            self._lain(rotated_by_vectors(headings, own), seen, peak, lies, times)
             for own, seen, peak in zip(
                 (self.own.feet, self.own.toes), (self.seen.feet, self.seen.toes), self.peaks, strict=True
             )
@@ -214,21 +214,23 @@ class HeldFoot:
         """Rotations (F, 3, 3) of foot or toes, from the previous rotations ``seen`` (2, 3, 3) to the ``own`` ones (F,
         3, 3).
         """
-        speed = turns_between(seen[:1], seen[1:])[0] * self.rate
+        speed = rotation_vectors_between(seen[:1], seen[1:])[0] * self.rate
         halting = float(speed_decay_times(np.array([np.linalg.norm(speed)]), np.array([peak]), lies)[0])
-        went = turned(remaining_speed_offset(times, halting)[:, None] * speed, np.broadcast_to(seen[1], own.shape))
+        went = rotated_by_vectors(
+            remaining_speed_offset(times, halting)[:, None] * speed, np.broadcast_to(seen[1], own.shape)
+        )
         rotation_matrices = from_matrix(went @ np.swapaxes(own, 1, 2))
         displacements = rotation_vectors(
             sign_continuous(rotation_matrices * np.where(rotation_matrices[:, 3:] < 0.0, -1.0, 1.0))
         )
-        return turned(remaining_offset_fraction(times, lies)[:, None] * displacements, own)
+        return rotated_by_vectors(remaining_offset_fraction(times, lies)[:, None] * displacements, own)
 
 
-def turns_between(own: FloatArray, seen: FloatArray) -> FloatArray:
+def rotation_vectors_between(own: FloatArray, seen: FloatArray) -> FloatArray:
     """Rotation vectors (N, 3), radians, from rotations ``own`` (N, 3, 3) to ``seen`` (N, 3, 3)."""
     return np.asarray(Rotation.from_matrix(seen @ np.swapaxes(own, 1, 2)).as_rotvec())
 
 
-def turned(vectors: FloatArray, rotation_matrices: FloatArray) -> FloatArray:
+def rotated_by_vectors(vectors: FloatArray, rotation_matrices: FloatArray) -> FloatArray:
     """Rotations (F, 3, 3): ``rotation_matrices`` (F, 3, 3) followed by the rotation ``vectors`` (F, 3)."""
     return np.asarray(Rotation.from_rotvec(vectors).as_matrix() @ rotation_matrices)

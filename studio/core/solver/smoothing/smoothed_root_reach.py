@@ -8,9 +8,9 @@ from scipy.ndimage import maximum_filter1d
 from scipy.spatial.transform import Rotation
 
 from studio.core.body.canonical import BodyLayout
-from studio.core.kernels import layout as at
+from studio.core.kernels import measure_columns as measure
 from studio.core.kernels.search.joints import ROOT_TRANSLATION
-from studio.core.solver.standing.blends import hann_window
+from studio.core.solver.grounding.contact_blending import hann_window
 
 FloatArray = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ class RootReach:
         ``root_reaches`` (2, F) are extensions in leg lengths; the distance is at least the motion's own.
         """
         hips = np.stack([positions[:, layout.hip_point(side)] for side in range(2)])
-        legs = measures[:, at.MEASURE_LEG : at.MEASURE_LEG + 4].reshape(-1, 2, 2).sum(axis=2).T
+        legs = measures[:, measure.LEG : measure.LEG + 4].reshape(-1, 2, 2).sum(axis=2).T
         own = np.linalg.norm(hips - ankles[..., :3], axis=2)
         return RootReach(positions[:, 0], hips - positions[:, 0], ankles[..., :3], np.maximum(root_reaches * legs, own))
 

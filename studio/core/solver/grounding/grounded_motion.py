@@ -22,19 +22,19 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize_motion
 from studio.core.runs import runs_in
 from studio.core.solver.asking.self_contact import PUSH_OUT_ROUNDS, SelfContact, self_contact_of, standing_hand_weights
+from studio.core.solver.grounding.body_support import GroundContact, find_support, limb_freedom
+from studio.core.solver.grounding.captured_floor import captured_floor
+from studio.core.solver.grounding.contact_settling import ArmStance, settle_on_contacts
+from studio.core.solver.grounding.flight_height import flight_heights
+from studio.core.solver.grounding.footing import Footing, find_footing
+from studio.core.solver.grounding.inertialisation import Stance, inertialised_motion
+from studio.core.solver.grounding.raised_arms import raise_arms
+from studio.core.solver.grounding.row_parts import join_parts, parts_of, windows_in
 from studio.core.solver.request import AdaptRequest, UnconstrainedPoses
-from studio.core.solver.standing.body_support import GroundContact, find_support, limb_freedom
-from studio.core.solver.standing.flight_height import flight_heights
-from studio.core.solver.standing.footing import Footing, find_footing
-from studio.core.solver.standing.inertialisation import Stance, inertialised_from
-from studio.core.solver.standing.raised_arms import raise_arms
-from studio.core.solver.standing.row_parts import joined, parts_of, windows_in
-from studio.core.solver.standing.settling import ArmStance, settle
-from studio.core.solver.standing.shown_floor import shown_floor
 
 FloatArray = NDArray[np.float64]
 
-PEAK_RUN = 4096
+PEAK_CHUNK_FRAMES = 4096
 """Number of frames whose accelerations are computed at a time."""
 CONTEXT_SECONDS = 1.0
 """Seconds around a frame whose poses affect its solution, for example by a balance's support polygon."""
@@ -114,8 +114,10 @@ class GroundedMotion:
         """Greatest angular acceleration (S,) of each segment in its parent over all frames, rad/s2."""
         parents = np.array(self.morphology.layout.parent_segments())
         greatest, peaks = np.zeros(len(parents)), np.empty((len(parents), 2))
-        for first in range(0, max(self.motion.frame_count - 2, 1), PEAK_RUN):  # all rotations of a long take are large
-            segment_peaks(parents, self.rotations[first : first + PEAK_RUN + 2], self.motion.frame_rate, peaks)
+        for first in range(
+            0, max(self.motion.frame_count - 2, 1), PEAK_CHUNK_FRAMES
+        ):  # all rotations of a long take are large
+            segment_peaks(parents, self.rotations[first : first + PEAK_CHUNK_FRAMES + 2], self.motion.frame_rate, peaks)
             greatest = np.maximum(greatest, peaks[:, 1])
         return greatest
 
@@ -142,9 +144,9 @@ def grounded_motion_of(request: AdaptRequest, windows: Sequence[slice] | None = 
         alone.with_arms_right(windows_in(frames, motion.frame_count, windows))
         change = motion.changes[len(parts) - 1] if parts else None
         if change and not change.cut:
-            alone = inertialised_from(alone, 0, Stance.last_of(parts[-1]), change.seconds, change.planned)
+            alone = inertialised_motion(alone, 0, Stance.last_of(parts[-1]), change.seconds, change.planned)
         parts.append(alone)
-    whole = joined(request, parts)
+    whole = join_parts(request, parts)
     if self_contact is None or len(parts) == 1:
         return whole
     return replace(
@@ -152,7 +154,7 @@ def grounded_motion_of(request: AdaptRequest, windows: Sequence[slice] | None = 
     )
 
 
-def stand(
+def ground_motion(
     motion: NormalizedMotion,
     morphology: AnyMorphology,
     contacts: Sequence[ContactInterval],
@@ -177,7 +179,7 @@ def _stand_alone(request: AdaptRequest) -> GroundedMotion:
     positions, rotations = realize_motion(motion, morphology)
     contacts = ground_contacts(contacts)
     ground = ground.felt_at(positions)
-    positions[:, :, 2] += (ground.height - shown_floor(contacts, positions, morphology, motion.frame_rate))[:, None]
+    positions[:, :, 2] += (ground.height - captured_floor(contacts, positions, morphology, motion.frame_rate))[:, None]
     positions[:, :, 2] += flight_heights(contacts, morphology, ground.height, positions)[:, None]
     carrying = find_support(motion, morphology, contacts, ground, positions, rotations, actor)
     upright, fraction = (positions, rotations), None if carrying is None else carrying.feet_fraction
@@ -190,7 +192,7 @@ def _stand_alone(request: AdaptRequest) -> GroundedMotion:
     arms: ArmStance | None = None
     holds: tuple[GroundContact, ...] = ()
     if carrying is not None:
-        footing, arms, holds = settle(carrying, footing, motion, morphology, ground, positions, rotations)
+        footing, arms, holds = settle_on_contacts(carrying, footing, motion, morphology, ground, positions, rotations)
     measures = morphology.rows
     place_frames(measures, footing.drops, footing.legs(motion), positions, rotations)
     if arms is not None:

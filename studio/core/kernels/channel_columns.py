@@ -1,10 +1,9 @@
-"""Column numbers of the channel and measure arrays.
+"""Columns of a frame of channels, imported as ``channel``.
 
-Channels of a normalised motion (``core.normalized.motion``): 93 + 4 (K - 1) numbers a frame, spine last. Measures of a
-body (``Morphology.packed``): 57 + 3 K numbers, spine last.
+A normalised motion (``core.normalized.motion``) has 93 + 4 (K - 1) numbers a frame; those of the spine come last. Each
+column is the first one of its quantity; the number of columns follows as a comment.
 """
 
-# --- channels -------------------------------------------------------------------------------------------------
 HIPS = 0  # 3   middle of the hip joints above the ankles' plane, parts of the leg length
 YAW = 3  # 1   low-passed heading of the pelvis
 PELVIS = 4  # 4   pelvis relative to the heading
@@ -25,21 +24,3 @@ HEAD_SHIFT = 90  # 3   how far the head joint strays from the end of the neck, p
 SPINE = 93  # (K-1) x 4 spine segments 1.. relative to the pelvis
 QUATERNION_COLUMNS = (PELVIS, NECK, HEAD, *range(CLAVICLE, LIMB_SLACK, 4), *range(HAND, HIP_SHIFT, 4))
 """First columns of the quaternions, without those of the spine."""
-
-# --- measures -------------------------------------------------------------------------------------------------
-MEASURE_NECK = 0
-MEASURE_HEAD = 1
-MEASURE_COLLAR_BASE = 2
-MEASURE_CLAVICLE = 8
-MEASURE_ARM = 10
-MEASURE_HAND = 14
-MEASURE_HIP_OFFSET = 20
-MEASURE_LEG = 26
-MEASURE_FOOT = 30
-MEASURE_TOE = 36
-MEASURE_ANKLE_HEIGHT = 42
-MEASURE_TOE_HEIGHT = 44
-MEASURE_HEEL_LENGTH = 46
-MEASURE_NECK_REST = 48
-MEASURE_CLAVICLE_REST = 51
-MEASURE_SPINE = 57

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.support.swing_foot_clearance import TOE_BEND_LEAD, smooth_toe_bends
-from studio.core.solver.standing.held_foot import FootPath, sole_arms
-from studio.core.solver.standing.swing_foot_path import SOLE_TOLERANCE
+from studio.core.kernels.support.swing_foot_clearance import TOE_BEND_LEAD_SECONDS, smooth_toe_bends
+from studio.core.solver.grounding.held_foot import FootPath, sole_arms
+from studio.core.solver.grounding.swing_foot_path import SOLE_TOLERANCE
 
 FloatArray = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ def depths_of(foot: FootPath, measures: FloatArray, ground: Ground) -> FloatArra
     return np.maximum(-heights_of(foot, measures, ground), 0.0)
 
 
-def out_of_ground(foot: FootPath, measures: FloatArray, depths: FloatArray) -> FootPath:
+def raised_out_of_ground(foot: FootPath, measures: FloatArray, depths: FloatArray) -> FootPath:
     """``foot`` raised by ``depths`` (2, F) metres at its heel and its ball; toes keep their world rotations."""
     if not depths.any():
         return foot
@@ -47,14 +47,14 @@ def out_of_ground(foot: FootPath, measures: FloatArray, depths: FloatArray) -> F
     heels, balls = (foot.ankles + _turned(foot.feet, each) for each in (heel, joint))
     arms, tips = balls - heels, depths[1] - depths[0]
     tips = tips * (arms[:, :2] ** 2).sum(axis=1) / np.maximum((arms**2).sum(axis=1), 1e-9)  # a steep foot is raised
-    feet = tipped(arms, tips) @ foot.feet
+    feet = tip_rotations(arms, tips) @ foot.feet
     about_heel = (tips > 0.0)[:, None]
     ankles = np.where(about_heel, heels - _turned(feet, heel), balls - _turned(feet, joint))
     ankles[:, 2] += depths.max(axis=0) - np.abs(tips)
     return FootPath(ankles, feet, foot.toes)
 
 
-def tipped_about_ankle(foot: FootPath, measures: FloatArray, heights: FloatArray, rises: FloatArray) -> FloatArray:
+def ankle_tip_rotations(foot: FootPath, measures: FloatArray, heights: FloatArray, rises: FloatArray) -> FloatArray:
     """Rotations (F, 3, 3) of a foot about its ankle that raise the lower one of heel and ball by ``rises`` (2, F)
     metres.
 
@@ -64,10 +64,10 @@ def tipped_about_ankle(foot: FootPath, measures: FloatArray, heights: FloatArray
     pitch, extent = heights[0] - heights[1], joint[:, 0] - heel[:, 0]
     up = np.clip(rises[1] * extent / joint[:, 0], 0.0, np.maximum(pitch, 0.0))
     down = np.clip(-rises[0] * extent / heel[:, 0], 0.0, np.maximum(-pitch, 0.0))
-    return tipped(_turned(foot.feet, joint - heel), up - down)
+    return tip_rotations(_turned(foot.feet, joint - heel), up - down)
 
 
-def seen_coming(depths: FloatArray, stands: NDArray[np.bool_], frame_rate: float) -> FloatArray:
+def early_envelope(depths: FloatArray, stands: NDArray[np.bool_], frame_rate: float) -> FloatArray:
     """Smooth upper envelope (N, F) of penetrations ``depths`` (N, F) in metres, which begins before each penetration.
 
     It is zero where the foot ``stands`` (F,), and in the first frame.
@@ -75,7 +75,7 @@ def seen_coming(depths: FloatArray, stands: NDArray[np.bool_], frame_rate: float
     surely = stands | (np.arange(len(stands)) == 0)
     raised, early = depths - SOLE_TOLERANCE * (1.0 - np.exp(-depths / SOLE_TOLERANCE)), np.empty_like(depths)
     for each, out in zip(raised, early, strict=True):
-        smooth_toe_bends(surely, round(TOE_BEND_LEAD * frame_rate), each, out)
+        smooth_toe_bends(surely, round(TOE_BEND_LEAD_SECONDS * frame_rate), each, out)
     return early
 
 
@@ -84,7 +84,7 @@ def _turned(rotation_matrices: FloatArray, arms: FloatArray) -> FloatArray:
     return np.asarray((rotation_matrices @ arms[..., None])[..., 0])
 
 
-def tipped(arms: FloatArray, rises: FloatArray) -> FloatArray:
+def tip_rotations(arms: FloatArray, rises: FloatArray) -> FloatArray:
     """Rotations (F, 3, 3) about level axes that raise the ends of ``arms`` (F, 3) by ``rises`` (F,) metres, as far as
     possible.
     """

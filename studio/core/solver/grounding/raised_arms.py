@@ -11,17 +11,17 @@ from studio.core.body.morphology import AnyMorphology
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.support.heel_roll import LEAST_ROLL_GAIN
 from studio.core.rotations import normalized, shortest_arc
-from studio.core.solver.standing.blends import (
-    LET_GO,
-    SLOWLY_LET_GO,
+from studio.core.solver.grounding.body_support import raise_by_swinging
+from studio.core.solver.grounding.contact_blending import (
+    RELEASE_SECONDS,
+    SLOW_RELEASE_SECONDS,
     release_weight,
     smooth_drops,
     smooth_penetrations,
     smoothstep_array,
 )
-from studio.core.solver.standing.body_support import raise_by_swinging
-from studio.core.solver.standing.limb_moves import STRAIGHT_LIMB_OFFSET, TwoBoneLimb, across
-from studio.core.solver.standing.settling import ArmStance
+from studio.core.solver.grounding.contact_settling import ArmStance
+from studio.core.solver.grounding.limb_moves import STRAIGHT_LIMB_OFFSET, TwoBoneLimb, across
 
 FloatArray = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ ARM_CLEARANCE = 0.03
 """Height above the ground, in leg lengths, below which wrist and finger tips begin to rise; at ground height they are
 raised by 3/16 of this.
 """
-OUTWARDS = 2.0
+ELBOW_OUTWARD_FACTOR = 2.0
 """Outward component of an elbow's displacement per unit of its depth, both in upper arm lengths."""
 ELBOW_ROTATIONS = 3
 """Iterations of the rotation of an arm in contact: on its circle an elbow is lower than on its way out."""
@@ -64,7 +64,9 @@ def raise_arms(
     posed = _PosedBody(body, ground, frame_rate, positions, rotations)
     for side in range(2):
         stands = np.zeros(len(positions), dtype=np.bool_) if arms is None else arms.standing[side]
-        free, slowly_free = (release_weight(stands, frame_rate, seconds) for seconds in (LET_GO, SLOWLY_LET_GO))
+        free, slowly_free = (
+            release_weight(stands, frame_rate, seconds) for seconds in (RELEASE_SECONDS, SLOW_RELEASE_SECONDS)
+        )
         _bend_hand(side, slowly_free, posed)
         _raise_hand(side, free, posed)
         _raise_elbow(side, free, posed)
@@ -174,7 +176,7 @@ def _displacements_out(elbows: FloatArray, shoulders: FloatArray, out: FloatArra
     lengths = np.maximum(np.linalg.norm(upper, axis=1), 1e-9)
     down = -upper[:, 2] / lengths
     deep = np.minimum(np.maximum(-_above(ground, elbows), 0.0) / lengths, down + 1.0)
-    level = normalized(upper[:, :2] / lengths[:, None] + OUTWARDS * deep[:, None] * out[:, :2])
+    level = normalized(upper[:, :2] / lengths[:, None] + ELBOW_OUTWARD_FACTOR * deep[:, None] * out[:, :2])
     level *= np.sqrt(np.maximum(1.0 - (down - deep) ** 2, 0.0))[:, None]
     displacements = lengths[:, None] * np.column_stack([level, deep - down]) - upper
     return np.where(deep[:, None] > 0.0, displacements, 0.0)
