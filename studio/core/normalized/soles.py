@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.normalized.landmarks import Landmarks
-from studio.core.normalized.measure import HEEL_LENGTH, USUAL_ANKLE
+from studio.core.normalized.measure import HEEL_LENGTH_FRACTION, USUAL_ANKLE
 
 FloatArray = NDArray[np.float64]
 
@@ -24,7 +24,7 @@ def sole_points(marks: Landmarks, leg_length: float, first_frame: int) -> FloatA
         ankles, balls, tips = (points[:, layout.ankle_point(side) + step] for step in range(3))
         flat = _near_its_low(ankles[first_frame:]) & _near_its_low(balls[first_frame:])
         turns = marks.rotations[:, layout.foot_segment(side)]
-        backward = HEEL_LENGTH * (ankles - balls)[first_frame:][flat]
+        backward = HEEL_LENGTH_FRACTION * (ankles - balls)[first_frame:][flat]
         backward[:, 2] = -2.0 * USUAL_ANKLE * leg_length
         in_foot = np.einsum("fji,fj->fi", turns[first_frame:][flat], backward)
         heels = ankles + turns @ (np.median(in_foot, axis=0) if len(in_foot) else np.zeros(3))
