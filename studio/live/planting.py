@@ -27,7 +27,9 @@ BITS = {point: HEEL_STANDS if point.is_heel else TOE_STANDS for point in FOOT_PO
 
 
 class LiveGrounding:
-    """Grounding of a body's newest pose by ``stand``; the contacts of the feet are kept from one call to the next."""
+    """Grounding of a body's newest pose by ``ground_motion``; the contacts of the feet are kept from one call to the
+    next.
+    """
 
     def __init__(self) -> None:
         self._request: AdaptRequest | None = None

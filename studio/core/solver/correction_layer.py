@@ -155,6 +155,7 @@ def with_segments_turned(
 
 
 def _carried(delta: FloatArray | None, vectors: FloatArray) -> FloatArray:
+    """Vectors (N, 3) rotated by ``delta`` (N, 3, 3); unchanged without."""
     return vectors if delta is None else np.asarray((delta @ vectors[..., None])[..., 0])
 
 

@@ -73,6 +73,9 @@ def composed_rotations(turn: Mapping[BodyPart, FloatArray], before: Mapping[Body
 
 
 def _product(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Quaternion (4,) of two rotations given by rotation vectors (3,): ``first``, followed by ``second`` in its own
+    axes.
+    """
     matrices = to_matrix(from_rotation_vector(np.stack([first, second])))
     return from_matrix(matrices[0] @ matrices[1])
 
@@ -80,6 +83,7 @@ def _product(first: FloatArray, second: FloatArray) -> FloatArray:
 def _with(
     layout: BodyLayout, positions: FloatArray, rotations: FloatArray, turns: PartRotations
 ) -> tuple[FloatArray, FloatArray]:
+    """Positions (P, 3) and rotations (S, 3, 3) of a frame with parts rotated by ``turns``."""
     batch = {part: vector[None] for part, vector in turns.items()}
     frame = PosedFrames(positions[None], rotations[None])
     posed = with_segments_turned(layout, frame, segment_turns(layout, batch))
@@ -106,8 +110,10 @@ def _bend(root: FloatArray, middle: FloatArray, tip: FloatArray, hinge: FloatArr
 
 
 def _unit(vector: FloatArray) -> FloatArray:
+    """Unit vector (3,) in the direction of a vector."""
     return np.asarray(vector / max(float(np.linalg.norm(vector)), 1e-9))
 
 
 def _vector(matrix: FloatArray) -> FloatArray:
+    """Rotation vector (3,) of a matrix (3, 3)."""
     return to_rotation_vector(from_matrix(matrix))

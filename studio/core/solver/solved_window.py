@@ -192,6 +192,7 @@ class SolvedWindow:
 
     @property
     def _levels(self) -> int:
+        """Number of levels."""
         return int(self._ranks.max()) + 1
 
     def _pose(self, level: int | None, easing: records.SmoothingRun) -> None:
@@ -300,6 +301,7 @@ class SolvedWindow:
 
     @cached_property
     def _brings(self) -> FloatArray:
+        """Angular accelerations (2, C, F) in rad/s2 that targets cause by their motion, and by their activation."""
         return target_accelerations(
             self._rows,
             self._held,
@@ -310,6 +312,7 @@ class SolvedWindow:
         )
 
     def _ease(self, levels: Sequence[SolvedLevel], rooms: FloatArray) -> None:
+        """Smooth all ``levels`` with the smoothing weights ``rooms`` (L, F), in the arrays of this window."""
         measures, limits, ankles = self._body.measures, self._body.limits, self._legs.ankles
         layout = self.standing.morphology.layout
         root_reach = RootReach.of(self.standing.positions[self.window], measures, layout, ankles, self._root_reach)
@@ -318,6 +321,7 @@ class SolvedWindow:
 
     @property
     def _solved(self) -> SolvedArrays:
+        """Arrays into which the kernels write."""
         cleared = self._unsolved if self._clear else (_NONE, _NONE)
         return SolvedArrays(self._positions, self._rotations, self._missed.T, *cleared)
 

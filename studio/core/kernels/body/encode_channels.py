@@ -43,10 +43,10 @@ class ActorSizes(NamedTuple):
 class EncodeScratch(NamedTuple):
     """Scratch rotations (3, 3) of ``encode_frames``."""
 
-    carriers: Array
+    arm_parents: Array
     """(2, 3, 3) rotation of the thorax followed by that of each clavicle from rest: parent axes of the arms."""
     limb_frame: Array
-    turn: Array
+    rotation: Array
     local: Array
 
 
@@ -106,13 +106,13 @@ def encode_trunk(pose, actor, scratch, out):
     """Write the channels of root, spine, neck, head, clavicles, hip and head shifts of one frame (METHOD 3.1 to 3.3
     inverted).
 
-    The heading in ``out`` must be set. Also writes the parent axes of both arms into ``scratch.carriers``.
+    The heading in ``out`` must be set. Also writes the parent axes of both arms into ``scratch.arm_parents``.
     """
     points, rotations = pose
     spine_count = rotations.shape[0] - SEGMENTS_BESIDE_SPINE
     pelvis, thorax, neck = rotations[0], rotations[spine_count - 1], spine_count
     encode_hips(points[0], pelvis, actor, out)
-    rotation, local = scratch.turn, scratch.local
+    rotation, local = scratch.rotation, scratch.local
     c, s = math.cos(out[channel.YAW]), math.sin(out[channel.YAW])
     for column in range(3):
         rotation[0, column] = c * pelvis[0, column] + s * pelvis[1, column]
@@ -125,7 +125,7 @@ def encode_trunk(pose, actor, scratch, out):
     write_relative_quaternion(out, channel.NECK, thorax, rotation, local)
     write_relative_quaternion(out, channel.HEAD, rotation, rotations[neck + 1], local)
     for side in range(2):
-        parent = scratch.carriers[side]
+        parent = scratch.arm_parents[side]
         matrix_product_transposed(
             rotations[spine_count + CLAVICLE_SEGMENT + SEGMENTS_PER_LIMB * side], actor.rests[1 + side], parent
         )
@@ -160,8 +160,8 @@ def encode_limb(limb, pose, length, scratch, out):
     side, is_leg = limb % 2, limb >= 2
     root = spine_count + (HIP_POINT if is_leg else SHOULDER_POINT) + POINTS_PER_LIMB * side
     upper = spine_count + (THIGH_SEGMENT if is_leg else UPPER_ARM_SEGMENT) + SEGMENTS_PER_LIMB * side
-    parent = rotations[0] if is_leg else scratch.carriers[side]
-    limb_frame, arc, local = scratch.limb_frame, scratch.turn, scratch.local
+    parent = rotations[0] if is_leg else scratch.arm_parents[side]
+    limb_frame, arc, local = scratch.limb_frame, scratch.rotation, scratch.local
     ux, uy, uz, _ = direction_and_length(points[root], points[root + 1])
     fx, fy, fz, _ = direction_and_length(points[root + 1], points[root + 2])
     zx, zy, zz, reach = direction_and_length(points[root], points[root + 2])

@@ -9,11 +9,11 @@ IGNORED_CHANNEL, POSITION_CHANNEL, ROTATION_CHANNEL = 0, 1, 2
 
 
 @kernel
-def pose_joints(numbers, joints, deeds, axes, starts, offsets, out_rotations, out_translations):
+def pose_joints(numbers, joints, kinds, axes, starts, offsets, out_rotations, out_translations):
     """Write local quaternions (N, J, 4) and translations (N, J, 3) of joints from channel ``numbers`` (N, C), in
     degrees and the file's unit of length.
 
-    ``joints``, ``deeds`` and ``axes`` (C,) give each channel's joint, kind (``ROTATION_CHANNEL`` ...) and axis from 0
+    ``joints``, ``kinds`` and ``axes`` (C,) give each channel's joint, kind (``ROTATION_CHANNEL`` ...) and axis from 0
     to 2; ``starts`` (J, 3) is added to positions, ``offsets`` (J, 3) is the translation of joints without position
     channels. Each rotation is about an axis that the rotations before it have rotated: the matrix of channels Z, X, Y
     is R_Z R_X R_Y.
@@ -26,9 +26,9 @@ def pose_joints(numbers, joints, deeds, axes, starts, offsets, out_rotations, ou
             out_rotations[frame, joint, 3] = 1.0
         for channel in range(numbers.shape[1]):
             joint, axis, number = joints[channel], axes[channel], numbers[frame, channel]
-            if deeds[channel] == POSITION_CHANNEL:
+            if kinds[channel] == POSITION_CHANNEL:
                 out_translations[frame, joint, axis] = starts[joint, axis] + number
-            elif deeds[channel] == ROTATION_CHANNEL:
+            elif kinds[channel] == ROTATION_CHANNEL:
                 rotate_quaternion_about_axis(axis, 0.5 * math.radians(number), out_rotations[frame, joint])
 
 

@@ -97,8 +97,8 @@ def body_point_position(point, segment, offset, positions, rotations):
 class EndPose(NamedTuple):
     """World rotations and extent of a hand, or of foot and toe."""
 
-    turn: RotationTuple
-    toe_turn: RotationTuple
+    rotation: RotationTuple
+    toe_rotation: RotationTuple
     tip: Point
     """Offset in metres from wrist or ankle to the tip of the hand or the toe joint."""
     toe_tip: Point
@@ -125,10 +125,10 @@ def restore_end(limb, end, pose):
     positions, rotations = pose.positions, pose.rotations
     _, upper, root = limb_parts(limb, positions.shape[0] - POINTS_BESIDE_SPINE)
     joint = positions[root + 2]
-    write_rotation(end.turn, rotations[upper + 2])
+    write_rotation(end.rotation, rotations[upper + 2])
     copy_point(add_vectors(joint, end.tip), positions[root + 3])
     if limb >= 2:
-        write_rotation(end.toe_turn, rotations[upper + 3])
+        write_rotation(end.toe_rotation, rotations[upper + 3])
         copy_point(add_vectors(joint, end.toe_tip), positions[root + 4])
 
 

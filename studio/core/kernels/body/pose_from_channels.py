@@ -43,30 +43,30 @@ corrected.
 class ActorProportions(NamedTuple):
     """Proportions of the captured actor relative to the posed body, in all frames."""
 
-    lengths: Array
+    clavicle_ratios: Array
     """(F or 1,) ratio of clavicle lengths, actor to body, both relative to the breadth of the shoulders; 1 at most."""
-    rests: Array
+    clavicle_rests: Array
     """(2, 3) rest directions of the actor's clavicles in the thorax."""
-    hips: Array
+    hip_ratios: Array
     """(F or 1,) ratio of hip breadths, actor to body, both relative to the length of the legs; 1 at most."""
-    lines: Array
+    foot_lines: Array
     """(F, 2) lateral direction across the feet, as in ``NormalizedMotion.across``."""
-    limbs: Array
+    upper_bone_fractions: Array
     """(4,) upper bone of each of the actor's limbs as a fraction of the limb."""
 
 
 class FrameProportions(NamedTuple):
     """Proportions of the captured actor relative to the posed body, in one frame."""
 
-    length: float
+    clavicle_ratio: float
     """Ratio of clavicle lengths, actor to body."""
-    rests: Array
+    clavicle_rests: Array
     """(2, 3) rest directions of the actor's clavicles in the thorax."""
-    hips: float
+    hip_ratio: float
     """Ratio of hip breadths, actor to body."""
-    line: Array
+    foot_line: Array
     """(2,) lateral horizontal direction across the feet."""
-    limbs: Array
+    upper_bone_fractions: Array
     """(4,) upper bone of each of the actor's limbs as a fraction of the limb."""
 
 
@@ -79,21 +79,26 @@ def realize_frames(channels, positions, measures, actor, play, out_positions, ou
     hips and head are kept, with 0 they are dropped. Writes points (F, K + 23, 3) in metres and segment rotations (F, K
     + 18, 3, 3).
     """
-    spine_from, spine_share = spine_sampling(positions, measures[0])
-    realize_all_frames(channels, measures, actor, spine_from, spine_share, play, out_positions, out_rotations)
+    spine_indices, spine_fractions = spine_sampling(positions, measures[0])
+    realize_all_frames(channels, measures, actor, spine_indices, spine_fractions, play, out_positions, out_rotations)
 
 
 @kernel
-def realize_all_frames(channels, measures, actor, spine_from, spine_share, play, out_positions, out_rotations):
-    """Write the poses of all frames for a spine sampled by ``spine_from`` and ``spine_share``, the result of
+def realize_all_frames(channels, measures, actor, spine_indices, spine_fractions, play, out_positions, out_rotations):
+    """Write the poses of all frames for a spine sampled by ``spine_indices`` and ``spine_fractions``, the result of
     ``spine_sampling``.
     """
     for frame in range(channels.shape[0]):
         row = measures[frame if measures.shape[0] > 1 else 0]
         pose = Pose(out_positions[frame], out_rotations[frame])
-        length, hips = actor.lengths[frame % actor.lengths.shape[0]], actor.hips[frame % actor.hips.shape[0]]
-        girdle = FrameProportions(length, actor.rests, hips, actor.lines[frame], actor.limbs)
-        realize_frame(channels[frame], row, girdle, spine_from, spine_share, play, pose)
+        length, hips = (
+            actor.clavicle_ratios[frame % actor.clavicle_ratios.shape[0]],
+            actor.hip_ratios[frame % actor.hip_ratios.shape[0]],
+        )
+        proportions = FrameProportions(
+            length, actor.clavicle_rests, hips, actor.foot_lines[frame], actor.upper_bone_fractions
+        )
+        realize_frame(channels[frame], row, proportions, spine_indices, spine_fractions, play, pose)
 
 
 @allocating_kernel
@@ -121,25 +126,29 @@ def spine_sampling(positions, measures):
 
 
 @kernel
-def realize_frame(channels, measures, girdle, spine_from, spine_share, play, pose):
-    """Write the ``pose`` of a body in one frame; ``girdle`` is the actor's ``FrameProportions``."""
-    root, pelvis, neck_base, thorax = realize_trunk(channels, measures, girdle, spine_from, spine_share, pose)
+def realize_frame(channels, measures, proportions, spine_indices, spine_fractions, play, pose):
+    """Write the ``pose`` of a body in one frame; ``proportions`` is the actor's ``FrameProportions``."""
+    root, pelvis, neck_base, thorax = realize_trunk(
+        channels, measures, proportions, spine_indices, spine_fractions, pose
+    )
     realize_head(channels, measures, play, neck_base, thorax, pose)
     for side in range(2):
-        realize_arm(channels, measures, girdle, side, neck_base, thorax, pose)
-        realize_leg(channels, measures, girdle.limbs, side, play, root, pelvis, pose)
+        realize_arm(channels, measures, proportions, side, neck_base, thorax, pose)
+        realize_leg(channels, measures, proportions.upper_bone_fractions, side, play, root, pelvis, pose)
 
 
 @small_kernel
-def realize_trunk(channels, measures, girdle, spine_from, spine_share, pose):
+def realize_trunk(channels, measures, proportions, spine_indices, spine_fractions, pose):
     """Pose pelvis and spine (METHOD 3.1, 3.2). Returns the position and rotation of the pelvis, then those of the neck
     base.
 
     The rotation at the neck base is that of the thorax. The pelvis segment rotates less where hips are wider than the
-    actor's (``girdle``), which keeps them above the planted feet; trunk and legs do not follow that reduction.
+    actor's (``proportions``), which keeps them above the planted feet; trunk and legs do not follow that reduction.
     """
     upright = pelvis_rotation(channels)
-    pelvis = upright if girdle.hips == 1.0 else level_hips(upright, girdle.hips, girdle.line)
+    pelvis = (
+        upright if proportions.hip_ratio == 1.0 else level_hips(upright, proportions.hip_ratio, proportions.foot_line)
+    )
     leg, m = mean_leg_length(measures), measure.HIP_OFFSET
     middle = (
         channels[channel.HIPS] * leg,
@@ -155,9 +164,9 @@ def realize_trunk(channels, measures, girdle, spine_from, spine_share, pose):
         pose.positions[0],
     )
     position, rotation = root, pelvis
-    for k in range(spine_from.shape[0]):
+    for k in range(spine_indices.shape[0]):
         if k > 0:
-            rotation = compose(upright, spine_rotation(channels, spine_from[k], spine_share[k]))
+            rotation = compose(upright, spine_rotation(channels, spine_indices[k], spine_fractions[k]))
         write_rotation(rotation, pose.rotations[k])
         m = measure.SPINE + 3 * k
         position = write_transformed_point(
@@ -263,19 +272,19 @@ def scaled_rotation(channels, column, fraction):
 
 
 @small_kernel
-def clavicle_rotation(channels, measures, girdle, side):
+def clavicle_rotation(channels, measures, proportions, side):
     """Rotation of a clavicle in the thorax: the actor's rotation from rest applied to the body's own rest, scaled for
     longer clavicles.
 
     Its lateral reach is never less than the actor's, whatever its rest. The same rotation takes more breadth from a
     clavicle that rises at rest than from one that falls, and shoulders that meet tear the skin.
     """
-    length = girdle.length
+    length = proportions.clavicle_ratio
     m, column, out = measure.CLAVICLE_REST + 3 * side, channel.CLAVICLE + 4 * side, 1.0 - 2.0 * side
     own = rotation_from_quaternion(channels, column)
     rotation = own if length == 1.0 else scaled_rotation(channels, column, length)
     rotation = compose(rotation, rotation_with_z_axis(measures[m], measures[m + 1], measures[m + 2]))
-    rest = girdle.rests[side]
+    rest = proportions.clavicle_rests[side]
     lost = out * (rest[1] - (own[3] * rest[0] + own[4] * rest[1] + own[5] * rest[2]))
     reach = out * rotation[5]
     beyond = out * measures[m + 1] - length * max(lost, 0.0) - reach
@@ -290,10 +299,10 @@ def clavicle_rotation(channels, measures, girdle, side):
 
 
 @small_kernel
-def realize_arm(channels, measures, girdle, side, neck_base, thorax, pose):
+def realize_arm(channels, measures, proportions, side, neck_base, thorax, pose):
     """Pose clavicle, arm and hand of one side (METHOD 3.3, 3.4).
 
-    The arm's parent axes are the thorax rotated by the actor's clavicle rotation. ``girdle`` is the actor's
+    The arm's parent axes are the thorax rotated by the actor's clavicle rotation. ``proportions`` is the actor's
     ``FrameProportions``.
     """
     spine_count = (measures.shape[0] - measure.SPINE) // 3
@@ -306,11 +315,11 @@ def realize_arm(channels, measures, girdle, side, neck_base, thorax, pose):
     collar = write_transformed_point(
         neck_base, thorax, measures[m], measures[m + 1], measures[m + 2], pose.positions[point]
     )
-    rotation = compose(thorax, clavicle_rotation(channels, measures, girdle, side))
+    rotation = compose(thorax, clavicle_rotation(channels, measures, proportions, side))
     write_rotation(rotation, pose.rotations[segment])
     write_transformed_point(collar, rotation, 0.0, 0.0, measures[measure.CLAVICLE + side], pose.positions[point + 1])
     m = measure.ARM + 2 * side
-    bones, fraction = (measures[m], measures[m + 1]), girdle.limbs[side]
+    bones, fraction = (measures[m], measures[m + 1]), proportions.upper_bone_fractions[side]
     wrist, forearm = realize_limb(side, channels, bones, fraction, parent, point + 1, segment + 1, pose)
     hand = compose(forearm, rotation_from_quaternion(channels, channel.HAND + 4 * side))
     write_rotation(hand, pose.rotations[segment + 3])

@@ -100,21 +100,21 @@ def step_along_limits(limb, problem):
 
 
 @kernel
-def clamp_limb_joints(limb, anew, noting, problem):
+def clamp_limb_joints(limb, task_moved, updates_caps, problem):
     """Clamp all joints of a limb to their limits; True if any was beyond them.
 
-    ``anew`` is true if a task has moved the joints since they were last clamped; ``noting`` updates their soft bounds
-    (caps).
+    ``task_moved`` is true if a task has moved the joints since they were last clamped; ``updates_caps`` to update their
+    soft bounds (caps).
     """
     pose, limits, state = problem.pose, problem.body.limits, problem.search.limbs[limb]
     drawn = False
-    if anew or not is_well_within(limb, 0, limits, pose.rotations):
+    if task_moved or not is_well_within(limb, 0, limits, pose.rotations):
         end = end_pose(limb, pose)
-        drawn = clamp_joint(limb, 0, anew, noting, limits, pose)
-        if anew and state.lower_rotated:
+        drawn = clamp_joint(limb, 0, task_moved, updates_caps, limits, pose)
+        if task_moved and state.lower_rotated:
             drawn = clamp_elbow_or_knee(limb, limits, pose) or drawn
         if state.holds_end:
             restore_end(limb, end, pose)
-    if limits[limb].end_rotates and (anew or not is_well_within(limb, 1, limits, pose.rotations)):
-        drawn = clamp_joint(limb, 1, anew, noting, limits, pose) or drawn
+    if limits[limb].end_rotates and (task_moved or not is_well_within(limb, 1, limits, pose.rotations)):
+        drawn = clamp_joint(limb, 1, task_moved, updates_caps, limits, pose) or drawn
     return drawn

@@ -199,15 +199,15 @@ def measure_frame_penetration(frame, clip, pose):
 
 
 @kernel
-def interpolated_residual(fraction, residual, there, here):
+def interpolated_residual(fraction, residual, saved, solved):
     """Residual reported for a task in transition, ``fraction`` of the way from the saved pose to the pose just solved.
 
-    ``there`` and ``here`` are its residuals in the saved pose and in the pose just solved. If the task was inactive in
-    the saved pose (``there`` is NaN), its measured ``residual`` is added with the weight 1 - ``fraction``.
+    ``saved`` and ``solved`` are its residuals in the saved pose and in the pose just solved. If the task was inactive
+    in the saved pose (``saved`` is NaN), its measured ``residual`` is added with the weight 1 - ``fraction``.
     """
-    if math.isnan(there):
-        return here + (1.0 - fraction) * residual
-    return there + fraction * (here - there)
+    if math.isnan(saved):
+        return solved + (1.0 - fraction) * residual
+    return saved + fraction * (solved - saved)
 
 
 @kernel

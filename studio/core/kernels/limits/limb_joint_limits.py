@@ -297,11 +297,12 @@ def remaining_freedom(fraction, own):
 
 
 @kernel
-def clamp_joint(limb, joint, anew, noting, limits, pose):
+def clamp_joint(limb, joint, task_moved, updates_caps, limits, pose):
     """Clamp one joint of a limb to its limits; True if it moved. ``joint`` 0 is shoulder or hip, 1 wrist or ankle,
     which is not clamped if its foot is planted.
 
-    ``anew`` is true if a task has moved the joint since it was last clamped; ``noting`` updates its soft bounds (caps).
+    ``task_moved`` is true if a task has moved the joint since it was last clamped; ``updates_caps`` to update its soft
+    bounds (caps).
     """
     positions, rotations = pose
     row, fraction = limits[limb], 1.0
@@ -311,8 +312,8 @@ def clamp_joint(limb, joint, anew, noting, limits, pose):
         if fraction == 0.0:
             return False
     swing = swing_of(row, joint, rotations[parent], rotations[segment])
-    desired = clamped_twist(row, joint, swing) if anew else swing
-    if noting:
+    desired = clamped_twist(row, joint, swing) if task_moved else swing
+    if updates_caps:
         update_caps(row, joint, desired)
     x, y, twist, sure = clamped_to_caps(row, joint, desired)
     if joint == 0:  # a hand or foot falls back to the motion's own rotation; the goal of its limb stays

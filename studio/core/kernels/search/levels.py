@@ -270,16 +270,16 @@ def drop_conflicting_tasks(level, problem):
 
 
 @kernel
-def restore_feasibility(level, most, both_ways, problem):
-    """Restore the residuals of the levels above until they have increased by less than ``most``; returns the remaining
-    priority violation.
+def restore_feasibility(level, tolerance, counts_decreases, problem):
+    """Restore the residuals of the levels above until they have increased by less than ``tolerance``; returns the
+    remaining priority violation.
 
-    Metres or radians. With ``both_ways`` decreases count as well as increases.
+    Metres or radians. With ``counts_decreases`` decreases count as well as increases.
     """
     chain, least, fails = problem.chain, math.inf, 0
-    violation = priority_violation(level, both_ways, problem)
+    violation = priority_violation(level, counts_decreases, problem)
     for _ in range(RESTORATION_STEPS):
-        if violation < most:
+        if violation < tolerance:
             break
         if violation > RESTORATION_DECREASE * least:
             fails += 1
@@ -289,7 +289,7 @@ def restore_feasibility(level, most, both_ways, problem):
         if joints == 0 or not take_level_step(level, True, False, False, False, 1.0, problem) > 0.0:
             break
         place_body(level, False, problem)
-        violation = priority_violation(level, both_ways, problem)
+        violation = priority_violation(level, counts_decreases, problem)
     return violation
 
 
@@ -348,9 +348,9 @@ def is_level_met(level, problem):
 
 
 @kernel
-def priority_violation(level, both_ways, problem):
-    """Greatest increase of a residual of the levels above since it was saved, in metres or radians; with ``both_ways``
-    the greatest change.
+def priority_violation(level, counts_decreases, problem):
+    """Greatest increase of a residual of the levels above since it was saved, in metres or radians; with
+    ``counts_decreases`` the greatest change.
     """
     tasks = problem.tasks
     worst = 0.0
@@ -358,7 +358,7 @@ def priority_violation(level, both_ways, problem):
         row = tasks[c]
         if has_residual(row) and row.level < level:
             change = residual_of(c, problem) - row.kept_residual
-            worst = max(worst, abs(change) if both_ways else change)
+            worst = max(worst, abs(change) if counts_decreases else change)
     return worst
 
 
@@ -392,11 +392,11 @@ def save_task_results(first, level, problem):
 
 
 @kernel
-def update_reaches(level, changed, problem):
+def update_reaches(level, changed_limbs, problem):
     """Update the greatest, least and agreed reach of the limbs for each end of the tasks of a level, in metres.
 
-    Tasks of the levels above keep theirs, except on the limbs in the bit mask ``changed``, whose hand or foot is held
-    by another task now.
+    Tasks of the levels above keep theirs, except on the limbs in the bit mask ``changed_limbs``, whose hand or foot is
+    held by another task now.
     """
     tasks = problem.tasks
     for c in range(tasks.shape[0]):
@@ -405,7 +405,7 @@ def update_reaches(level, changed, problem):
             continue
         for end in range(2):
             limb = row.limbs[end]
-            if row.level < level and not (limb >= 0 and changed >> limb & 1):
+            if row.level < level and not (limb >= 0 and changed_limbs >> limb & 1):
                 continue
             if end == 0 and is_position(row) and (limb < 0 or row.limb_weights[end, 0] == 0.0):
                 copy_point(end_position(row, end, problem.start), row.start_position)
@@ -415,18 +415,18 @@ def update_reaches(level, changed, problem):
 
 
 @kernel
-def update_reach(c, end, own, problem):
+def update_reach(c, end, is_own_level, problem):
     """Update least, greatest and agreed reach in metres of a limb for one end of task ``c``.
 
-    With ``own``, for a task of the level being solved, the position of the limb's root is saved first. Beyond its
-    soft-IK threshold (or its extension in the motion) the limb extends softly, so that its extension is smooth in time
-    and the trunk covers the rest without error (METHOD 8, "reach sharing").
+    With ``is_own_level``, for a task of the level being solved, the position of the limb's root is saved first. Beyond
+    its soft-IK threshold (or its extension in the motion) the limb extends softly, so that its extension is smooth in
+    time and the trunk covers the rest without error (METHOD 8, "reach sharing").
     """
     body, start, row = problem.body, problem.start, problem.tasks[c]
     limb, origin = row.limbs[end], row.root_positions[end]
     holds_end, point = limb >= 2 or problem.search.end_tasks[limb] >= 0, end_position(row, end, start)
     _, upper, root = limb_parts(limb, start.positions.shape[0] - POINTS_BESIDE_SPINE)
-    if own:
+    if is_own_level:
         copy_point(problem.pose.positions[root], origin)
     fold, reach, now = reach_range(limb, row.segments[end], holds_end, point, body.limits, start)
     row.min_reach[end], row.max_reach[end], row.goal_reaches[end] = fold, reach, reach

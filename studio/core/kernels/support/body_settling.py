@@ -44,7 +44,7 @@ SETTLED_STEP = 1e-7
 class SettlingScratch(NamedTuple):
     """Scratch of ``settle_frames``."""
 
-    turn: Array
+    rotation: Array
     """(3, 3) present rotation of the body."""
     arm: Array
     """(3,) from the root to the start of a link."""
@@ -79,7 +79,7 @@ def settle_frames(roots, links, seats, centres, stiffness, moves):
         scratch.taut[:] = False
         for _ in range(SETTLING_STEPS):
             scratch.normal[:] = 0.0
-            rotation_vector_to_matrix(move[3], move[4], move[5], scratch.turn)
+            rotation_vector_to_matrix(move[3], move[4], move[5], scratch.rotation)
             add_link_errors(frame, roots[frame], links, move, scratch)
             add_seat_error(roots[frame], seats[frame], stiffness, move, scratch)
             if settling_step(stiffness, centre, move, scratch.normal) < SETTLED_STEP:
@@ -117,7 +117,7 @@ def add_seat_error(root, seat, stiffness, move, scratch):
 @kernel
 def write_lever(start, scratch):
     """Write ``start`` (3,), relative to the root, rotated with the body into ``scratch.arm``."""
-    arm, rotation = scratch.arm, scratch.turn
+    arm, rotation = scratch.arm, scratch.rotation
     for axis in range(3):
         arm[axis] = 0.0
     write_transformed_point(arm, rotation_from_matrix(rotation), start[0], start[1], start[2], arm)

@@ -46,15 +46,15 @@ class LimbLink(NamedTuple):
 
     root: int
     """Index of the point of the limb's root."""
-    carrier: int
+    parent_segment: int
     """Index of the segment that carries the limb's root."""
-    way: tuple[float, float, float]
+    direction: tuple[float, float, float]
     """Unit direction from the root to the goal."""
     span: float
     """Distance in metres from the root to the goal."""
-    fold: float
+    min_length: float
     """Least length in metres."""
-    reach: float
+    max_length: float
     """Greatest length in metres."""
 
 
@@ -115,13 +115,13 @@ def add_link_row(link, slack, weight_row, count, problem):
     metres.
     """
     chain, positions, task_rows = problem.chain, problem.pose.positions, problem.search.rows
-    error = link.span - min(max(link.span, link.fold + min(slack, 0.0)), link.reach + max(slack, 0.0))
+    error = link.span - min(max(link.span, link.min_length + min(slack, 0.0)), link.max_length + max(slack, 0.0))
     if error == 0.0:
         return count
-    x, y, z = link.way
+    x, y, z = link.direction
     shoulder = positions[link.root]
     begin_zero_row(task_rows, count, weight_row, error)
-    add_point_jacobian(shoulder, x, y, z, link.carrier, chain.joints, positions, task_rows.jacobian[count])
+    add_point_jacobian(shoulder, x, y, z, link.parent_segment, chain.joints, positions, task_rows.jacobian[count])
     clamped_error = min(max(error, -MAX_ROW_ERROR), MAX_ROW_ERROR)
     along = math.copysign(link.span, error)
     set_point_error(
@@ -131,7 +131,7 @@ def add_link_row(link, slack, weight_row, count, problem):
         clamped_error * z,
         along,
         shoulder,
-        link.carrier,
+        link.parent_segment,
     )
     return count + 1
 
@@ -140,12 +140,12 @@ def add_link_row(link, slack, weight_row, count, problem):
 def hold_root(link, row, end, weight_row, count, problem):
     """Add rows that hold the root of a limb that falls short at its saved position, weighted by the limb's residual."""
     task_rows, shoulder, first = problem.search.rows, problem.pose.positions[link.root], count
-    if is_point_held(shoulder, link.carrier, count, task_rows):
+    if is_point_held(shoulder, link.parent_segment, count, task_rows):
         return count
     held, kept = min(row.kept_residual / LIMB_SHORT_RESIDUAL, 1.0), row.kept_roots[end]
     x, y, z = kept[0] - shoulder[0], kept[1] - shoulder[1], kept[2] - shoulder[2]
-    count = add_point_rows(shoulder, link.carrier, x, y, z, weight_row, count, problem)
-    set_point_error(task_rows.point_errors[first], x, y, z, 0.0, shoulder, link.carrier)
+    count = add_point_rows(shoulder, link.parent_segment, x, y, z, weight_row, count, problem)
+    set_point_error(task_rows.point_errors[first], x, y, z, 0.0, shoulder, link.parent_segment)
     for other in range(first, count):
         task_rows.errors[other] *= held
         for joint in range(task_rows.jacobian.shape[1]):
@@ -158,13 +158,13 @@ def hold_root(link, row, end, weight_row, count, problem):
 def bound_link(link, weight_row, count, problem):
     """Add an inequality row for the root of a limb that keeps the goal within the limb's reach."""
     chain, positions, task_rows = problem.chain, problem.pose.positions, problem.search.rows
-    span, fold, reach, (x, y, z) = link.span, link.fold, link.reach, link.way
+    span, fold, reach, (x, y, z) = link.span, link.min_length, link.max_length, link.direction
     shoulder, side = positions[link.root], 1.0 if reach - span < span - fold else -1.0
     x, y, z = side * x, side * y, side * z
     begin_zero_row(task_rows, count, weight_row, span - reach if side > 0.0 else fold - span)
     task_rows.roles[count] = INEQUALITY_ROW if reach - fold > NEGLIGIBLE_ERROR else EQUALITY_ROW
-    set_point_error(task_rows.point_errors[count], x, y, z, side * span, shoulder, link.carrier)
-    add_point_jacobian(shoulder, x, y, z, link.carrier, chain.joints, positions, task_rows.jacobian[count])
+    set_point_error(task_rows.point_errors[count], x, y, z, side * span, shoulder, link.parent_segment)
+    add_point_jacobian(shoulder, x, y, z, link.parent_segment, chain.joints, positions, task_rows.jacobian[count])
     return count + 1
 
 

@@ -72,6 +72,7 @@ def relevant_chain(constraint: Constraint) -> Chain:
 
 @lru_cache(maxsize=256)
 def _without_clavicles(chain: Chain, limb: int) -> Chain:
+    """Chain without weights of the clavicles, except that of ``limb`` and those that the chain names."""
     named = {part for part, _ in chain.segments}
     idle = [clavicle for side, clavicle in enumerate(CLAVICLES) if side != limb and clavicle not in named]
     return replace(chain, segments=(*chain.segments, *((clavicle, 0.0) for clavicle in idle)))

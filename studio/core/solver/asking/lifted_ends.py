@@ -52,6 +52,7 @@ def constrained_ends(constraints: Sequence[Constraint], activations: FloatArray)
 
 
 def _followed_parts(constraint: Constraint) -> Iterable[BodyPart]:
+    """Parts of the own body that a constraint follows."""
     return (follow.point.part for follow in follows_of(constraint) if isinstance(follow, FollowBody))
 
 

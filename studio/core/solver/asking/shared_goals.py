@@ -54,10 +54,12 @@ def weighted_mean(targets: Sequence[FloatArray], weights: FloatArray) -> FloatAr
 
 
 def _between_positions(one: FloatArray, other: FloatArray, fraction: FloatArray) -> FloatArray:
+    """Positions (F or 1, 3) at ``fraction`` (F,) from ``one`` to ``other``."""
     return np.asarray((1.0 - fraction[:, None]) * one + fraction[:, None] * other)
 
 
 def _between_rotations(one: FloatArray, other: FloatArray, fraction: FloatArray) -> FloatArray:
+    """Rotations (F or 1, 3, 3) at ``fraction`` (F,) of the shortest arc from ``one`` to ``other``."""
     part = fraction[:, None, None]
     between = to_matrix(slerp(from_matrix(one), from_matrix(other), fraction))
     return np.where(part <= 0.0, one, np.where(part >= 1.0, other, between))

@@ -211,5 +211,6 @@ def turned_target(target: Turn, rotation: Quaternion, seconds: float, track: Tra
 
 
 def _sum(offset: Vector, further: FloatArray) -> Vector:
+    """Sum of two offsets (3,)."""
     x, y, z = (np.array(offset) + further).tolist()
     return x, y, z

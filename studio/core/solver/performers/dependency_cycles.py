@@ -173,6 +173,7 @@ def _following(player: CycleMember, leader: str) -> Iterable[tuple[int, Position
 
 
 def _target(constraint: PositionConstraint) -> FollowPerformer:
+    """Followed point of another performer that is a position constraint's target."""
     assert isinstance(constraint.target, FollowPerformer)
     return constraint.target
 

@@ -164,4 +164,5 @@ def motion_of(project: Project, motion_id: str, prepare: PrepareCapture) -> Norm
 
 
 def _prepared(project: Project, motion_id: str, prepare: PrepareCapture) -> tuple[NormalizedMotion, Morphology]:
+    """Normalised motion of the project, and its actor's measures."""
     return prepare(project.captures[project.motions[motion_id].capture_id])
