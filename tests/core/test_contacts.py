@@ -18,6 +18,7 @@ from studio.core.captures.contacts import (
     joined_over_still_gaps,
     longest_still_span,
     lying_shank_mask,
+    parted_at_slides,
     plank_leg_mask,
     prone_mask,
     spans_outside_mask,
@@ -170,6 +171,16 @@ def test_toes_at_rest_under_a_heel_that_stands_do_so_though_they_sink_when_they_
     assert 60 <= found[ContactPoint.LEFT_HEEL][0][1] <= 75
 
 
+def test_toes_that_hang_over_a_heel_that_has_landed_do_not_stand_till_they_come_down() -> None:
+    soles = _turning(0)[:, [1, 1]]
+    frames = np.arange(120.0)
+    soles[:, :, 1:, 2] += np.interp(frames, [40, 70, 78], [0.035, 0.035, 0.0])[:, None, None]  # the heel lands first
+    soles[:, :, :, 0] -= 1.6 * np.clip(40.0 - frames, 0.0, None)[:, None, None] / 40.0
+    found = detect_contacts(soles, RATE)
+    assert found[ContactPoint.LEFT_HEEL][0][0] <= 42
+    assert found[ContactPoint.LEFT_TOE][0][0] >= 70
+
+
 def test_a_foot_that_rolls_from_heel_to_toe_is_never_in_the_air() -> None:
     rolling, middle = [(0, 35)], np.zeros((80, 3))
     assert with_step_gaps_closed(rolling, [(39, 60)], middle, 3) == (rolling, [(36, 60)])
@@ -177,6 +188,20 @@ def test_a_foot_that_rolls_from_heel_to_toe_is_never_in_the_air() -> None:
     assert with_step_gaps_closed(rolling, [(40, 60)], middle, 3) == (rolling, [(40, 60)])
     middle[37:, 0] = 2.0 * WANDER
     assert with_step_gaps_closed(rolling, [(39, 60)], middle, 3) == (rolling, [(39, 60)])
+
+
+def test_a_foot_that_slides_on_from_place_to_place_stands_at_each_of_them() -> None:
+    """Five slides of 6 cm in a quarter of a second, more slowly than feet roll; a leg that lies may trail."""
+    begins = np.array([30, 70, 110, 150, 190])
+    parts = np.clip((np.arange(240)[:, None] - begins) / 15.0, 0.0, 1.0)
+    foot = np.zeros((240, 3))
+    foot[:, 0] = 0.06 * np.sum(parts * parts * (3.0 - 2.0 * parts), axis=1)
+    found = parted_at_slides([(0, 239)], foot, foot, np.zeros(240, bool), RATE)
+    assert len(found) == 6
+    assert np.allclose([last for _, last in found[:-1]], begins, atol=4)
+    assert np.allclose([first for first, _ in found[1:]], begins + 15, atol=4)
+    assert parted_at_slides([(0, 239)], foot, foot, np.ones(240, bool), RATE) == [(0, 239)]
+    assert parted_at_slides([(0, 239)], np.zeros((240, 3)), foot, np.zeros(240, bool), RATE) == [(0, 239)]
 
 
 def test_toes_stand_through_a_gap_in_which_their_foot_does_not_move() -> None:
@@ -476,8 +501,16 @@ def test_who_never_stands_shows_no_floor() -> None:
     assert not captured_floor((), POSITIONS, BODY, WALK.frame_rate).any()
 
 
-def _ankle(heights: np.ndarray) -> np.ndarray:
+def _at_heights(heights: np.ndarray) -> np.ndarray:
     return np.stack([np.zeros(len(heights)), np.zeros(len(heights)), heights], axis=1)
+
+
+def _rising(ankle: np.ndarray, ball: np.ndarray | float = 0.02) -> np.ndarray:
+    """Frames in which the heel of a foot that stands all the time rises, from heights (F,)."""
+    frames, stands = len(ankle), np.ones(len(ankle), dtype=bool)
+    return rising_heels(
+        [(0, frames - 1)], stands, _at_heights(ankle), _at_heights(np.broadcast_to(ball, frames)), 0.85, RATE
+    )
 
 
 @given(st.floats(0.02, 0.08), st.integers(30, 60))
@@ -485,7 +518,7 @@ def test_a_heel_stands_until_it_rises(rise: float, begin: int) -> None:
     """A heel is in contact until it rises over a ball that stands."""
     frames = np.arange(90)
     heights = 0.08 + rise * np.clip((frames - begin) / (89 - begin), 0.0, 1.0)
-    rising = rising_heels([(0, 89)], contact_mask([(0, 89)], 90), _ankle(heights), 0.85)
+    rising = _rising(heights)
     assert not rising[: begin + 1].any()
     assert rising[-1]
     assert np.all(np.diff(rising.astype(int)) >= 0)
@@ -493,12 +526,23 @@ def test_a_heel_stands_until_it_rises(rise: float, begin: int) -> None:
 
 
 def test_a_heel_that_trembles_stands() -> None:
-    heights = 0.08 + 0.006 * np.sin(np.arange(90) / 3)
-    assert not rising_heels([(0, 89)], contact_mask([(0, 89)], 90), _ankle(heights), 0.85).any()
+    assert not _rising(0.08 + 0.006 * np.sin(np.arange(90) / 3)).any()
+
+
+@given(st.floats(-0.02, 0.02), st.floats(0.02, 0.08))
+def test_a_floor_that_drifts_lifts_no_heel(drift: float, rise: float) -> None:
+    """The whole foot rises or sinks by ``drift`` metres in two seconds, until its heel rises over the ball."""
+    frames = np.arange(120)
+    floor = drift * frames / 119
+    lift = 0.06 + rise * np.clip((frames - 80) / 39, 0.0, 1.0)
+    assert not _rising(floor + 0.08, floor + 0.02).any()
+    assert not _rising(floor + 0.02 + lift, floor + 0.02)[:81].any()
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_noise_of_a_heel_that_stands_is_no_rise(seed: int) -> None:
     """Half a degree of noise in every joint moves ankles by a centimetre."""
-    ankle = _ankle(np.full(300, 0.08)) + np.random.default_rng(seed).normal(scale=0.012, size=(300, 3))
-    assert rising_heels([(0, 299)], contact_mask([(0, 299)], 300), ankle, 0.85).mean() < 0.05
+    noise = np.random.default_rng(seed).normal(scale=0.012, size=(2, 300, 3))
+    ankle, ball = _at_heights(np.full(300, 0.08)) + noise[0], _at_heights(np.full(300, 0.02)) + noise[1]
+    rising = rising_heels([(0, 299)], contact_mask([(0, 299)], 300), ankle, ball, 0.85, RATE)
+    assert rising.mean() < 0.05

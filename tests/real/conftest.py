@@ -18,8 +18,6 @@ KNOWN_FAULTS = {
     "meet",
     "test_edges_add_at_most_twice_the_peak_of_the_source[walk-child-*]": "balance over a place that the walk is metres "
     "away from begins with 5,500 rad/s2 for 360 of the source",
-    "test_free_limbs_help_to_balance[kick-child]": "free limbs that alone balance a kick accelerate 10.2 times as "
-    "sharply as the source, where 10 are allowed",
     "test_a_reach_with_balance_lets_no_joint_jump[punch-*]": "a reach with balance accelerates 5 to 30 times as "
     "sharply as the punch",
     "test_hips_go_up_and_down_as_much[walk]": "hips bob by 21 % more than the actor's, on the actor's own body",

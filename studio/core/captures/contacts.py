@@ -167,6 +167,8 @@ off the ball and the tip of its toes, while they touch the ground.
 """
 REST_SPEED = 0.15
 """Metres a second below which toes near the ground stand while their heel does, though they sink later to roll off."""
+SLIDING_SPEED = 0.2
+"""Metres a second below which a foot that slides over the ground rests at one of its places."""
 PIVOT_SPEED, PIVOT = 0.2, 0.04
 """Metres a second of ball and heel about each other while a foot turns on one of them, and metres that the other one
 travels farther meanwhile.
@@ -256,10 +258,12 @@ def detect_contacts(soles: FloatArray, frame_rate: float, first_frame: int = 0) 
         over_lows = heights - lows[side]
         stands[0] &= over_lows[:, 0] < over_lows[:, 1:].max(axis=1) + HEIGHT_MARGIN  # else the foot is on tiptoe
         rests = stands[0] & near[1] & (speeds[1:] < REST_SPEED).all(axis=0)
+        shortest = round(SHORTEST_CONTACT * frame_rate)
+        rests &= ~_hanging(rests, stands[0], stands[1] | stands[2], heights[:, 0], shortest)
         heel, toe = _without_pivots(stands[0], stands[1] | stands[2] | rests, tracks[:, side], frame_rate)
         middle = tracks[:, side, :2].mean(axis=1)  # of heel and ball: a foot that turns on the spot goes nowhere
         for kind, standing in (("heel", heel), ("toe", toe)):
-            spans = _without_flicker(standing, middle, round(SHORTEST_CONTACT * frame_rate))
+            spans = _without_flicker(standing, middle, shortest)
             found[ContactPoint(f"{name}_{kind}")] = [(a + first_frame, b + first_frame) for a, b in spans]
     return found
 
@@ -306,6 +310,28 @@ def _stands(
     return standing
 
 
+def _hanging(
+    rests: NDArray[np.bool_],
+    heel: NDArray[np.bool_],
+    toe: NDArray[np.bool_],
+    heel_height: FloatArray,
+    shortest: int,
+) -> NDArray[np.bool_]:
+    """(F,) true where toes at rest, ``rests`` (F,), hang for ``shortest`` frames over a ``heel`` that has landed.
+
+    They land later, ``toe`` (F,), faster than at rest, while the heel is no higher. Toes that sink as their heel rises
+    stood before.
+    """
+    hanging = np.zeros(len(rests), dtype=bool)
+    for first, last in spans_of(heel):
+        lands = np.flatnonzero(toe[first : last + 1] & ~rests[first : last + 1])
+        for begin, end in spans_of(rests[first : last + 1] & ~toe[first : last + 1]):
+            after = lands[lands > end]
+            if end - begin >= shortest and len(after) and heel_height[first + after[0]] <= heel_height[first + end]:
+                hanging[first + begin : first + end + 1] = True
+    return hanging
+
+
 def _without_pivots(
     heel: NDArray[np.bool_], toe: NDArray[np.bool_], sole: FloatArray, frame_rate: float
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -320,6 +346,29 @@ def _without_pivots(
         if abs(ball_travel - heel_travel) > PIVOT:
             (toe if ball_travel > heel_travel else heel)[first : last + 1] = False
     return heel, toe
+
+
+def parted_at_slides(
+    spans: list[Span], own: FloatArray, middle: FloatArray, lies: NDArray[np.bool_], frame_rate: float
+) -> list[Span]:
+    """Contacts of a foot point; one whose foot slides on from place to place is parted between them.
+
+    ``own`` and ``middle`` (F, 3) are the point and the middle of its foot: one that turns moves one of them alone. A
+    foot whose leg ``lies`` (F,) may trail.
+    """
+    standing = contact_mask(spans, len(own))
+    rests = point_speeds(middle, standing, frame_rate) < SLIDING_SPEED
+    for first, last in spans:
+        parts = [(first + a, first + b) for a, b in spans_of(rests[first : last + 1])]
+        parts = [(a, b) for a, b in parts if b - a >= SHORTEST_CONTACT * frame_rate]
+        places = np.array([[track[a : b + 1].mean(axis=0) for track in (own, middle)] for a, b in parts])
+        if len(parts) < 2 or np.linalg.norm(np.ptp(places, axis=0), axis=1).min() < WANDER:
+            continue
+        ways = np.linalg.norm(np.diff(places, axis=0), axis=2).min(axis=1)
+        for (_, leaves), (arrives, _), way in zip(parts, parts[1:], ways, strict=False):
+            if way > PIVOT and not lies[leaves:arrives].any():
+                standing[leaves + 1 : arrives] = False
+    return spans_of(standing)
 
 
 def joined_over_still_gaps(spans: list[Span], middle: FloatArray) -> list[Span]:

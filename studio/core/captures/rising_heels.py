@@ -14,25 +14,47 @@ LYING = 0.3
 """The part of a contact's heights, from the lowest, at which the ankle is while the sole lies flat."""
 RISES, RISEN = 0.004, 0.012
 """Parts of the leg's length above that at which a heel begins to rise, if it goes on to rise so far."""
+FLOOR_DRIFT = 0.012
+"""Metres a second by which the floor of a capture rises or sinks at most."""
 
 
 def rising_heels(
-    heels: Sequence[tuple[int, int]], toe: NDArray[np.bool_], ankle: FloatArray, leg_length: float
+    heels: Sequence[tuple[int, int]],
+    toe: NDArray[np.bool_],
+    ankle: FloatArray,
+    ball: FloatArray,
+    leg_length: float,
+    frame_rate: float,
 ) -> NDArray[np.bool_]:
     """(F,) true where a heel rises or sinks over a ball that stands, ``toe`` (F,).
 
-    ``heels`` are the frames (first, last) of its contacts, ``ankle`` (F, 3) metres, Z up. Noise of the ankle is no
-    rise.
+    ``heels`` are the frames (first, last) of its contacts; ``ankle`` and ``ball`` (F, 3) metres, Z up, are joints of
+    the foot. A heel that rises does so over where it lay, and over the ball or faster than the floor of a capture
+    drifts, which lifts both. Noise is no rise.
     """
-    heights, noise = ankle[:, 2], noise_deviation(ankle, toe)
-    rising = np.zeros(len(heights), dtype=np.bool_)
+    floor = _floor_under(np.where(toe, ankle[:, 2], np.inf), FLOOR_DRIFT / frame_rate)
+    heights = np.stack([ankle[:, 2], ankle[:, 2] - ball[:, 2], ankle[:, 2] - floor])
+    noise = max(noise_deviation(ankle, toe), noise_deviation(ankle - ball, toe))
+    rising = np.zeros(len(ankle), dtype=np.bool_)
     stances = spans_of(toe)
     begins, ends = (np.array([stance[edge] for stance in stances], dtype=int) for edge in (0, 1))
     for first, last in heels:
-        low = np.quantile(heights[first : last + 1], LYING)
+        flat = toe[first : last + 1]
+        if not flat.any():
+            continue
+        lows = np.quantile(heights[:, first : last + 1][:, flat], LYING, axis=1)
         for stance, past in stances[np.searchsorted(ends, first) : np.searchsorted(begins, last, "right")]:
-            above = heights[stance : past + 1] - low  # they go on to rise after the contact
+            over_low, over_ball, over_floor = heights[:, stance : past + 1] - lows[:, None]
+            above = np.minimum(over_low, np.maximum(over_ball, over_floor))  # they go on to rise after the contact
             for begin, end in runs_of(above > max(RISES * leg_length, noise)):
                 own = slice(max(stance + begin, first), min(stance + end, last + 1))
                 rising[own] |= above[begin:end].max() > max(RISEN * leg_length, 2.0 * noise)
     return rising
+
+
+def _floor_under(heights: FloatArray, drift: float) -> FloatArray:
+    """Highest floor (F,) below the ``heights`` (F,) that rises and sinks by no more than ``drift`` a frame."""
+    ramp = drift * np.arange(len(heights))
+    before = np.minimum.accumulate(heights - ramp) + ramp
+    after = np.minimum.accumulate((heights + ramp)[::-1])[::-1] - ramp
+    return np.minimum(before, after)

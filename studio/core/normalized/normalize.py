@@ -23,6 +23,7 @@ from studio.core.captures.contacts import (
     detect_contacts,
     joined_over_still_gaps,
     lying_shank_mask,
+    parted_at_slides,
     plank_leg_mask,
     prone_mask,
     spans_outside_mask,
@@ -266,23 +267,22 @@ def _contacts_of(marks: Landmarks, capture: Capture, *, on_steps: bool = False) 
     for point, track in tracks.items():
         track[:, 2] -= capture.floor + (risen if point.member == "hand" else 0.0)
     bodies = detect_body_contacts(tracks, leg, capture.frame_rate, capture.first_frame)
+    prone = prone_mask(points[:, hips], points[:, [layout.collar_point(0) + 1, layout.collar_point(1) + 1]])
     for side, name in enumerate(("left", "right")):
         heel, toe, knee = (ContactPoint(f"{name}_{member}") for member in ("heel", "toe", "knee"))
         # A heel does not stand while its knee does; who lies or kneels may trail its toes.
         feet[heel] = spans_outside_mask(feet[heel], contact_mask(bodies[knee], len(points)), shortest)
-        rising = rising_heels(
-            feet[heel], contact_mask(feet[toe], len(points)), points[:, layout.ankle_point(side)], leg
-        )
+        stands, ankle = contact_mask(feet[toe], len(points)), points[:, layout.ankle_point(side)]
+        rising = rising_heels(feet[heel], stands, ankle, toes[:, side], leg, rate)
         feet[heel] = spans_outside_mask(feet[heel], rising, shortest)
         low = tracks[knee][:, 2] < LOW_KNEE * leg
         down = low | contact_mask(bodies[ContactPoint.SEAT], len(points))
         middle = soles[:, side, :2].mean(axis=1)
-        feet[toe] = joined_over_still_gaps(
-            trailing_toe_contacts(feet[toe], toes[:, side], down, capture.frame_rate), middle
-        )
+        feet[toe] = joined_over_still_gaps(trailing_toe_contacts(feet[toe], toes[:, side], down, rate), middle)
+        for point, own in ((heel, soles[:, side, 0]), (toe, soles[:, side, 1])):
+            feet[point] = parted_at_slides(feet[point], own, middle, down | prone, rate)
         feet[heel], feet[toe] = with_step_gaps_closed(feet[heel], feet[toe], middle, shortest)
     # Low hips say what knees and toes do; but of who crawls they are carried, until it lies flat.
-    prone = prone_mask(points[:, hips], points[:, [layout.collar_point(0) + 1, layout.collar_point(1) + 1]])
     flat = tracks[ContactPoint.SEAT][:, 2] < LYING_HIP_HEIGHT * leg
     bodies[ContactPoint.SEAT] = spans_outside_mask(bodies[ContactPoint.SEAT], prone & ~flat, shortest)
     return contacts_fitted_to_plates(feet, soles, capture.plate_loads, rate) | bodies, slope
