@@ -45,7 +45,7 @@ def main() -> int:
     """Compile everything, and print the dearest kernels and the sums."""
     with tempfile.TemporaryDirectory(prefix="morpho-studio-bench-") as folder:
         os.environ["NUMBA_CACHE_DIR"] = folder
-        costs, compiler = Costs(), import_module("studio.core.kernels.compiling.linked").PartCompiler
+        costs, compiler = Costs(), import_module("studio.core.kernels.compiling.linked_kernels").PartCompiler
         compiler._make_part = costs.measured("translate", compiler._make_part)
         compiler._compile_core = costs.measured("link", compiler._compile_core)
         first_run = import_module("studio.startup.first_run")

@@ -23,8 +23,8 @@ from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration, point_heights
 from studio.core.solver.adapt import body_point_positions, solve_constraints
 from studio.core.solver.asking.points import limb_of
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, ready_capture
@@ -63,7 +63,7 @@ def standing_on(name: str, body: str) -> GroundedMotion:
     path = example_captures_folder() / name if name in BUNDLED else REAL / name
     ready = ready_capture(path, GUESS_ALL)
     motion, contacts = clip_of(ready, LONGEST)
-    return stand(
+    return ground_motion(
         motion, bundled_characters()[body].morphology, contacts, Ground(), actor=ready.actor.morphology, clears=True
     )
 

@@ -13,7 +13,7 @@ from studio.core.body.sticks import bone_pairs
 from studio.core.grounds.ground import Ground
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.adapt import adapt, solve_constraints
-from studio.core.solver.standing.stand import stand
+from studio.core.solver.grounding.grounded_motion import ground_motion
 from studio.io.project.character_file import bundled_characters
 from studio.library.indexing import bundled_library
 from studio.library.library import Library
@@ -69,7 +69,7 @@ def _shown(library: Library, guard: MotionPiece, body: Morphology, place: tuple[
 
     found = tried_strikes(search_strikes(library, asked, MOST_STRIKES_TRIED), residual_of)[0].found
     made = made_of(found)
-    standing = stand(made.composite.motion, body, made.composite.contacts, Ground())
+    standing = ground_motion(made.composite.motion, body, made.composite.contacts, Ground())
     solved = solve_constraints(standing, [made.constraint], made.hit, made.hit)
     missed = f"{found.clip.take.motion.name.replace('_', ' ')}, {1000.0 * solved.residuals[0, 0]:.2f} mm"
     return Shown(missed, body, standing.positions[made.hit], solved.positions[0], np.asarray(asked.place))

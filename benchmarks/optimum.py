@@ -18,7 +18,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels.search.joints import ROOT_TRANSLATION
 from studio.core.solver.asking.chains import joints_of_chains, relevant_chain, segment_masses
-from studio.core.solver.standing.stand import GroundedMotion
+from studio.core.solver.grounding.grounded_motion import GroundedMotion
 
 FloatArray = NDArray[np.float64]
 

@@ -15,8 +15,8 @@ from studio.core.grounds.ground import Ground
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration, centre_of_mass, contact_quality
 from studio.core.solver.adapt import adapt, solve_constraints
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.stand import GroundedMotion, stand
 
 FloatArray = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ def quality(task: BenchCase, source: AdaptedMotion) -> Quality:
     """Solve one task, and judge the answer; ``source`` is the motion on its own actor."""
     request = task.request
     adapted = adapt(request)
-    standing = stand(request.motion, request.morphology, request.contacts, request.ground)
+    standing = ground_motion(request.motion, request.morphology, request.contacts, request.ground)
     balances = [each for each in request.constraints if isinstance(each, BalanceConstraint)]
     reachable = excesses = None
     if task.reachable:

@@ -31,9 +31,9 @@ from studio.core.mesh.character import Character  # noqa: E402
 from studio.core.normalized.round_trip import round_trip  # noqa: E402
 from studio.core.quality.motion_quality import PART_SEGMENTS, MotionQuality, motion_quality  # noqa: E402
 from studio.core.solver.adapt import solve_constraints  # noqa: E402
+from studio.core.solver.grounding.grounded_motion import grounded_motion_of  # noqa: E402
 from studio.core.solver.request import AdaptRequest  # noqa: E402
 from studio.core.solver.source import source_motion  # noqa: E402
-from studio.core.solver.standing.stand import grounded_motion_of  # noqa: E402
 from studio.io.importing import load_capture  # noqa: E402
 from studio.io.json_text import JsonObject  # noqa: E402
 from studio.jobs.adapt_report import quality_record  # noqa: E402

@@ -25,9 +25,9 @@ from studio.core.grounds.ground import Ground
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
-from studio.core.solver.asking.releasing import constraint_activations
+from studio.core.solver.asking.contact_release import constraint_activations
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, ReadyCapture, ready_capture
@@ -188,7 +188,7 @@ def main(arguments: Sequence[str]) -> int:
         motion, contacts = clip_of(ready, LONGEST)
         for seed in range(seeds):
             body = bodies[(place + seed) % len(bodies)]
-            standing = stand(motion, bundled_characters()[body].morphology, contacts, Ground())
+            standing = ground_motion(motion, bundled_characters()[body].morphology, contacts, Ground())
             found = measure(f"{name} {body}", standing, seed, worst_cost(ready, body))
             results += found
             if "--each" in arguments:

@@ -17,8 +17,8 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.mesh.character import Character
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import Prepare, adapt_performers
 from studio.core.solver.performers.rows import timing_of
+from studio.core.solver.performers.staged_performances import PrepareCapture, adapt_performers
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Performer, Project
 from studio.jobs.performances import prepared_capture
@@ -78,7 +78,7 @@ def _step(live: LiveStage) -> float:
     return time.process_time() - start
 
 
-def kept() -> Prepare:
+def kept() -> PrepareCapture:
     """Motions of captures, each found once."""
     known: dict[int, tuple[Capture, tuple[NormalizedMotion, Morphology]]] = {}
 

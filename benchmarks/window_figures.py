@@ -31,7 +31,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import adapt_performers
+from studio.core.solver.performers.staged_performances import adapt_performers
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.project import GROUND_ID, Project
 from studio.document.channels import Channel, Side

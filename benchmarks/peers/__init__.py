@@ -23,7 +23,7 @@ from studio.core.rigs.character_skeleton import character_poses, character_skele
 from studio.core.solver.adapt import adapt, solve_constraints
 from studio.core.solver.asking.chains import segment_masses
 from studio.core.solver.asking.points import point_indices
-from studio.core.solver.standing.stand import stand
+from studio.core.solver.grounding.grounded_motion import ground_motion
 
 PYTHON = os.environ.get("PEERS_PYTHON", sys.executable)
 """The interpreter in which the peers are installed, as by ``pip install -e .[peers]``."""
@@ -68,7 +68,7 @@ def our_answer(task: BenchCase, microseconds: float) -> dict[str, Any]:
     """The studio's answers, judged as the peers' are: every frame of the clip."""
     request = task.request
     adapted = adapt(request)
-    before = solve_constraints(stand(request.motion, request.morphology, request.contacts, request.ground), ())
+    before = solve_constraints(ground_motion(request.motion, request.morphology, request.contacts, request.ground), ())
     ankles = [request.morphology.layout.ankle_point(side) for side in range(2)]
     figures = {
         "miss": adapted.residuals[request.constraints.index(task.highest)],
@@ -84,7 +84,7 @@ def problem(task: BenchCase) -> dict[str, Any]:
     """One task on an ordinary skeleton, in arrays: what the scripts read (``common.Problem``)."""
     request = task.request
     body: Morphology = request.morphology
-    standing = stand(request.motion, body, request.contacts, request.ground)
+    standing = ground_motion(request.motion, body, request.contacts, request.ground)
     skeleton, poses = character_skeleton(body), character_poses(solve_constraints(standing, ()))
     frames = np.linspace(0, request.motion.frame_count - 1, FRAMES).astype(int)
     places = [each for each in request.constraints if isinstance(each, PositionConstraint)]

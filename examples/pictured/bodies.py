@@ -22,8 +22,8 @@ from studio.core.grounds.ground import Ground
 from studio.core.mesh.character import Character
 from studio.core.mesh.skin import skin_vertices
 from studio.core.solver.adapt import solve_constraints
+from studio.core.solver.grounding.grounded_motion import ground_motion
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.stand import stand
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, ready_capture
@@ -51,7 +51,7 @@ def priorities() -> QImage:
     """Wrist before elbow of the same arm: as captured, both reached, and the wrist alone (as in Kulpa's figure 13)."""
     ready = ready_capture(example("reach_grasp"), GUESS_ALL)
     woman = bundled_characters()["adult_woman"]
-    standing = stand(ready.motion, woman.morphology, ready.contacts, Ground())
+    standing = ground_motion(ready.motion, woman.morphology, ready.contacts, Ground())
     frame, layout = 0, woman.morphology.layout
     arm = [standing.positions[frame, layout.collar_point(1) + k] for k in (1, 2, 3)]
     wrist_place = arm[0] + np.array([0.44, -0.06, -0.10])
@@ -74,7 +74,7 @@ def bodies() -> QImage:
     ready = ready_capture(example("front_kick"), GUESS_ALL)
     shown = []
     for character in bundled_characters().values():
-        standing = stand(ready.motion, character.morphology, ready.contacts, Ground())
+        standing = ground_motion(ready.motion, character.morphology, ready.contacts, Ground())
         shown.append(Shown(character, solve_constraints(standing, (), 154, 154), 0))
     return _drawn(shown, np.radians(-40.0), 1.45, 2.35)
 

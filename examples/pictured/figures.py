@@ -21,12 +21,12 @@ from studio.core.kernels.limbs.legs import required_root_lowering
 from studio.core.kernels.limbs.limb import SOFT_IK_THRESHOLD, SOLE_SOFT_IK_THRESHOLD, place_limb, soft_extension
 from studio.core.kernels.limits.limb_joint_limits import soft_clamp_above
 from studio.core.kernels.records import LimbShape, Pose
-from studio.core.kernels.search.reachability import soft_reachable_distance
+from studio.core.kernels.search.chain_reach import soft_reachable_distance
 from studio.core.normalized.transition import remaining_offset_fraction, remaining_speed_offset
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import solve_constraints
-from studio.core.solver.standing.stand import stand
-from studio.core.solver.standing.support_polygon import corners, mass_path, standing_mask, support_polygons
+from studio.core.solver.grounding.grounded_motion import ground_motion
+from studio.core.solver.grounding.support_polygon import corners, mass_path, standing_mask, support_polygons
 from studio.core.windows import sliding_maximum
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
@@ -117,7 +117,7 @@ def activation() -> Figure:
 def canonical_body() -> Figure:
     """Segments of the canonical body, standing, from the front."""
     ready, body = _walk()
-    standing = stand(ready.motion, body, ready.contacts, Ground())
+    standing = ground_motion(ready.motion, body, ready.contacts, Ground())
     points, layout = standing.positions[0] - standing.positions[0, 0], body.layout
     figure = Figure(figsize=(9.0, 5.0), layout="constrained")
     axes = figure.subplots()
@@ -216,7 +216,7 @@ def reachability() -> Figure:
 def balance() -> Figure:
     """Centre of mass of a walk from above, and the outlines of the standing soles it is held over."""
     ready, body = _walk()
-    standing = stand(ready.motion, body, ready.contacts, Ground())
+    standing = ground_motion(ready.motion, body, ready.contacts, Ground())
     positions, rotations = np.array(standing.positions), np.array(standing.rotations)
     frames = slice(60, 260)
     masses = mass_path(positions, body)[frames]
@@ -258,8 +258,8 @@ def footprints() -> Figure:
     straight = ready.motion.channels[:240]
     ground = Steps(rise=0.17, tread=0.30, count=4, start=(0.5, 0.0), direction=float(np.median(straight[:, 3])))
     contacts = ready.contacts
-    level = stand(ready.motion, body, contacts, Ground())
-    standing = stand(ready.motion, body, contacts, ground)
+    level = ground_motion(ready.motion, body, contacts, Ground())
+    standing = ground_motion(ready.motion, body, contacts, ground)
     frames = slice(0, 240)
     time = np.arange(240) / ready.motion.frame_rate
     footing = standing.footing
@@ -282,7 +282,7 @@ def footprints() -> Figure:
 
 def _literal_drops(ready: ReadyCapture, body: Morphology, ankles: np.ndarray) -> np.ndarray:
     """(F,) metres by which min(h1, h2, h3) lies below the level walk's root (negative where it may rise)."""
-    standing = stand(ready.motion, body, (), Ground())
+    standing = ground_motion(ready.motion, body, (), Ground())
     drops = np.empty(ready.motion.frame_count)
     lift = 0.5 * (ankles[0, :, 2] + ankles[1, :, 2])
     relative = ankles - standing.positions[:, 0]
@@ -308,7 +308,7 @@ def _ramp_acceleration(ramp: float, shape: EaseShape) -> float:
     """Peak angular acceleration (rad/s^2) of an arm whose wrist is moved by 30 cm within ``ramp`` seconds."""
     ready = ready_capture(example("reach_grasp"), GUESS_ALL)
     body = bundled_characters()["adult_woman"].morphology
-    before = stand(ready.motion, body, ready.contacts, Ground())
+    before = ground_motion(ready.motion, body, ready.contacts, Ground())
     middle = ready.motion.duration / 2
     wrist = np.median(before.positions[:, body.layout.wrist_point(0)], axis=0) + np.array([0.1, 0.0, 0.28])
     curve = ActivationCurve(middle - ramp, middle, middle + 0.3, middle + 0.3 + ramp, shape)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from studio.core.constraints.base import BodyPoint
 from studio.core.quality.metrics import MotionPeaks
 from studio.core.solver.adapt import body_point_positions, grounded_motion
-from studio.core.solver.performers.performing import Performance
+from studio.core.solver.performers.staged_performances import Performance
 from studio.core.solver.source import motion_on_body
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project

@@ -12,7 +12,7 @@ from studio.core.errors import StudioError
 from studio.core.names import safe_name
 from studio.core.quality.metrics import MotionPeaks
 from studio.core.solver.adapt import grounded_motion
-from studio.core.solver.performers.performing import Performance
+from studio.core.solver.performers.staged_performances import Performance
 from studio.core.solver.source import motion_on_body
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project

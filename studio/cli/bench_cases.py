@@ -18,13 +18,13 @@ from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized
 from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.asking.tracks import Track, Tracks
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, ReadyCapture
 
 FloatArray = NDArray[np.float64]
@@ -72,7 +72,7 @@ def make_tasks(
 ) -> tuple[BenchCase, ...]:
     """Rows of the table for one clip and one body, from the easiest to the hardest."""
     right, left = 1, 0
-    standing = stand(motion, body, contacts, Ground())
+    standing = ground_motion(motion, body, contacts, Ground())
     near, beyond = (
         positions_before_shoulder(standing, right, NEAR_TARGET_ARM_LENGTHS),
         positions_beyond_arm(standing, right),
@@ -183,7 +183,7 @@ def _shoulder(standing: GroundedMotion, side: int) -> FloatArray:
 
 def _directions(standing: GroundedMotion, side: int) -> FloatArray:
     """Unit directions (F, 3) forwards, a little outwards and down."""
-    yaw = standing.motion.channels[:, at.YAW]
+    yaw = standing.motion.channels[:, channel.YAW]
     forward, out = 0.9, 0.3 - 0.6 * side
     x, y = forward * np.cos(yaw) - out * np.sin(yaw), forward * np.sin(yaw) + out * np.cos(yaw)
     return normalized(np.stack([x, y, np.full(len(yaw), -0.2)], axis=1))

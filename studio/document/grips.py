@@ -7,7 +7,7 @@ import numpy as np
 
 from studio.core.constraints.base import Constraint
 from studio.core.stage.clip import Clip
-from studio.core.stage.held_grips import gripped_prop
+from studio.core.stage.held_grips import STAGE_TIME_TOLERANCE_SECONDS, gripped_prop
 from studio.core.stage.holding import HAND_REACH_SECONDS, grip_constraints
 from studio.core.stage.mirrored_props import constraint_as_played
 from studio.core.stage.project import Performer, Project
@@ -108,7 +108,8 @@ def _grips_of(project: Project, prop_id: str, hold: InHand | Carried) -> dict[st
             for time, open_end in ((hold.begin, -math.inf), (hold.end, math.inf))
         )
         for key, each in project.constraints_of(clip.motion_id).items():
-            during = first - STAGE_TIME_TOLERANCE_SECONDS <= each.activation.full <= last + STAGE_TIME_TOLERANCE_SECONDS
+            begin, end = first - STAGE_TIME_TOLERANCE_SECONDS, last + STAGE_TIME_TOLERANCE_SECONDS
+            during = begin <= each.activation.full <= end
             if during and is_grip(each, prop_id, hold.performer_id):
                 found[key] = clip
     return found

@@ -11,7 +11,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.mesh.skin import SkinnedMesh
 from studio.core.mesh.volume import fitted_volume
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.solver.performers.awaiting import with_anticipated_targets
+from studio.core.solver.performers.anticipated_targets import with_anticipated_targets
 from studio.core.solver.performers.dependency_cycles import CycleMember
 from studio.core.solver.performers.rows import (
     ClipConstraint,

@@ -48,7 +48,7 @@ def _speeds(motion: AdaptedMotion, rows: NDArray[np.intp], pose: PoseOffsets, ac
     """
     from studio.core.solver.asking.points import limb_of  # these load kernels
     from studio.core.solver.correction_layer import PosedFrames, along_heading, segment_turns, with_segments_turned
-    from studio.core.solver.standing.body_support import limb_freedom
+    from studio.core.solver.grounding.body_support import limb_freedom
 
     layout, weight = motion.morphology.layout, activation[:, None]
     own = PosedFrames(motion.positions[rows], motion.rotations[rows])

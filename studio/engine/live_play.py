@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, Qt, Signal
 
 from studio.core.errors import StudioError
-from studio.core.solver.performers.performing import Prepare
+from studio.core.solver.performers.staged_performances import PrepareCapture
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import Project
@@ -60,7 +60,7 @@ class LivePlay(QObject):
     def __init__(
         self,
         document: Document,
-        prepare: Prepare,
+        prepare: PrepareCapture,
         parent: QObject | None = None,
         ready: Callable[[], bool] = lambda: True,
     ) -> None:

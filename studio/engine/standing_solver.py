@@ -12,7 +12,7 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.engine.paged_array import paged_rows
 
 if TYPE_CHECKING:
-    from studio.core.solver.standing.stand import GroundedMotion
+    from studio.core.solver.grounding.grounded_motion import GroundedMotion
 
 MAX_CACHED_GROUNDINGS = 16
 
@@ -50,8 +50,8 @@ class GroundingSolver:
 
     def _standing(self, request: AdaptRequest, windows: Windows | None) -> "GroundedMotion":
         """Grounded motion of ``request``, at least in the given ``windows``; None for all frames."""
-        from studio.core.solver.standing.lifted import lifted
-        from studio.core.solver.standing.stand import grounded_motion_of
+        from studio.core.solver.grounding.grounded_motion import grounded_motion_of
+        from studio.core.solver.grounding.moved_ground import moved_to_height
 
         body, on = (request.motion, request.morphology), GroundingKey.of(request)
         whole, partly = self._whole.get(body), self._partly.get(body)
@@ -60,7 +60,7 @@ class GroundingSolver:
         if windows is not None and partly is not None and (partly.on, partly.solved_windows) == (on, windows):
             return partly.standing
         if whole is not None and whole.on.at_height(on.ground.height) == on:
-            standing = lifted(whole.standing, on.ground.height)
+            standing = moved_to_height(whole.standing, on.ground.height)
         else:
             wanted = None if windows is None else [slice(*each) for each in windows]
             standing = grounded_motion_of(request, wanted).kept(paged_rows)

@@ -163,7 +163,7 @@ class TargetContext:
 
     def support_outline(self) -> FloatArray | None:
         """(N, 2) outline of the support polygon, motion space; None without contacts."""
-        from studio.core.solver.standing.support_polygon import corners, standing_mask, support_polygons  # as above
+        from studio.core.solver.grounding.support_polygon import corners, standing_mask, support_polygons  # as above
 
         motion, row = self.pose.motion, slice(self.pose.row, self.pose.row + 1)
         contacts = self.pose.contacts_in(self.project)

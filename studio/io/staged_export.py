@@ -14,8 +14,8 @@ from studio.core.rigs.carried_joints import carried_joints, with_carried_joints
 from studio.core.rigs.driven_fingers import below_hands
 from studio.core.rigs.played_fingers import captures_of_clips, fingers_of_performer, has_fingers, on_captured_joints
 from studio.core.rotations import IDENTITY_QUATERNION
-from studio.core.solver.performers.performing import Performance
 from studio.core.solver.performers.rows import is_plain, timing_of
+from studio.core.solver.performers.staged_performances import Performance
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
 from studio.io.export import Take, take_of_adapted

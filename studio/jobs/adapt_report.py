@@ -32,8 +32,8 @@ from studio.core.quality.report import (
     report_of,
 )
 from studio.core.solver.adapt import grounded_motion, solve_request
+from studio.core.solver.grounding.grounded_motion import GroundedMotion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.stand import GroundedMotion
 from studio.core.solver.warm_up import warm_up
 from studio.core.stage.placement import Placement
 from studio.io.json_text import JsonObject

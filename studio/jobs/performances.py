@@ -5,8 +5,8 @@ from studio.core.captures.capture import Capture
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize_capture
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import StagedPerformances, adapt_performers
 from studio.core.solver.performers.rows import timing_of
+from studio.core.solver.performers.staged_performances import StagedPerformances, adapt_performers
 from studio.core.solver.request import AdaptedMotion
 from studio.core.stage.project import Project
 

@@ -18,11 +18,11 @@ from studio.core.normalized.compose import Composite
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize_capture
 from studio.core.solver.adapt import grounded_motion, solve_request
-from studio.core.solver.performers.performing import Prepare, motion_of, player_of
+from studio.core.solver.grounding.grounded_motion import grounded_motion_of
 from studio.core.solver.performers.rows import composite_of
 from studio.core.solver.performers.stage import constraints_of_performer
+from studio.core.solver.performers.staged_performances import PrepareCapture, motion_of, player_of
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.stand import grounded_motion_of
 from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import clips_until, copies_for_parts
 from studio.core.stage.placement import Placement
@@ -86,7 +86,12 @@ def _prepared(capture: Capture) -> tuple[NormalizedMotion, Morphology]:
 
 
 def inserted_strike(
-    scene: StrikeScene, found: Result, motion_id: str, clip_id: str, constraint_id: str, prepare: Prepare = _prepared
+    scene: StrikeScene,
+    found: Result,
+    motion_id: str,
+    clip_id: str,
+    constraint_id: str,
+    prepare: PrepareCapture = _prepared,
 ) -> Project:
     """Project of ``scene`` in which the performer plays a strike, driven to the target, as the clip ``clip_id``.
 

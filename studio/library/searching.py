@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from studio.core.body.morphology import Morphology
 from studio.core.clip_search import PoseQuery, SearchMatch, pose_distances, pose_rows, search
-from studio.core.kernels import layout as at_channel
+from studio.core.kernels import channel_columns as channel
 from studio.core.kernels import pose_search as at
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize_motion
@@ -169,6 +169,6 @@ def position_ahead_of(pose: NormalizedMotion, body: Morphology, position: ArrayL
     Forward is the heading of the pelvis.
     """
     root = realize_motion(pose, body)[0][0, 0]
-    c, s = np.cos(pose.channels[0, at_channel.YAW]), np.sin(pose.channels[0, at_channel.YAW])
+    c, s = np.cos(pose.channels[0, channel.YAW]), np.sin(pose.channels[0, channel.YAW])
     x, y, z = np.asarray(position, dtype=np.float64)
     return np.array([root[0] + c * x - s * y, root[1] + s * x + c * y, z])

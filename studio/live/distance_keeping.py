@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.constraints.follow import FollowPerformer
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.normalized.compose import Composite
 from studio.core.stage.behaviour import Role, State
 from studio.core.stage.behaviour_target import PELVIS_POINT, resolved_target
@@ -47,7 +47,7 @@ def distance_step(seen: StageView, key: str, act: StartedAct, composite: Composi
     placement = Placement.of(project.performers[key])
     away = (whom - own)[:2]
     apart = max(float(np.linalg.norm(away)), 1e-9)
-    looks = float(composite.motion.channels[frame, at.YAW]) + placement.heading - _stance(act, composite, frame)
+    looks = float(composite.motion.channels[frame, channel.YAW]) + placement.heading - _stance(act, composite, frame)
     turn = (math.atan2(away[1], away[0]) - looks + math.pi) % (2.0 * math.pi) - math.pi
     unit = seen.unit_of(kept.gap, role)
     wrong = apart - unit * kept.distance
@@ -67,7 +67,7 @@ def _kept(state: State) -> KeepDistance | None:
 
 def _stance(act: StartedAct, composite: Composite, frame: int) -> float:
     """Median yaw (rad) of the pelvis in a clip relative to the facing direction: fighters stand half sideways."""
-    yaws = composite.piece_at(frame).piece.motion.channels[act.clip.first : act.clip.last + 1, at.YAW]
+    yaws = composite.piece_at(frame).piece.motion.channels[act.clip.first : act.clip.last + 1, channel.YAW]
     return float(np.median(yaws)) * (-1.0 if act.clip.mirrored else 1.0)
 
 

@@ -19,14 +19,14 @@ from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactInterval
 from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.normalized.compose import Composite, compose_pieces
 from studio.core.normalized.encode import encode_motion
 from studio.core.normalized.joining import PlanarTransform
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.adapt import solve_constraints
-from studio.core.solver.standing.stand import GroundedMotion, stand
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.library.clip_labels import Kind, Limb
 from studio.library.hit_paths import hit_point_positions, limb_root
 from studio.library.library import Library
@@ -169,7 +169,7 @@ class Fighter:
         span = self.guard.first, self.guard.last
         cut = NormalizedMotion("guard", whole.motion.frame_rate, whole.motion.channels[span[0] : span[1] + 1].copy(),
                                whole.motion.spine_places)  # fmt: skip
-        self.plan = Plan(FighterState.GUARD, stand(cut, self.body, _cut(whole.contacts, *span), Ground()), 0)
+        self.plan = Plan(FighterState.GUARD, ground_motion(cut, self.body, _cut(whole.contacts, *span), Ground()), 0)
         self.rate = cut.frame_rate
         """Frames a second of ``step``, whatever the rate of the motion that plays."""
         self._places = deque(maxlen=1 + round(TARGET_SPEED_SECONDS * self.rate))
@@ -190,8 +190,10 @@ class Fighter:
         old, leg = self.plan.standing, self.body.leg_length
         self.body = body
         channels = np.array(old.motion.channels)
-        channels[:, at.HIPS : at.HIPS + 2] *= leg / body.leg_length  # its position on the ground stays the same
-        standing = stand(replace(old.motion, channels=channels), body, old.contacts, Ground())
+        channels[:, channel.HIPS : channel.HIPS + 2] *= (
+            leg / body.leg_length
+        )  # its position on the ground stays the same
+        standing = ground_motion(replace(old.motion, channels=channels), body, old.contacts, Ground())
         self.plan = replace(self.plan, standing=standing)
 
     def strike(self, target: ArrayLike, limbs: Sequence[Limb] = (), kinds: Sequence[Kind] = ()) -> bool:
@@ -323,7 +325,7 @@ class Fighter:
 
     def _coming(self, state: FighterState, begins: PlanStart, piece: MotionPiece) -> PendingPlan:
         def stood(whole: Composite) -> GroundedMotion:
-            return stand(whole.motion, self.body, whole.contacts, Ground())
+            return ground_motion(whole.motion, self.body, whole.contacts, Ground())
 
         return PendingPlan(state, take_over(begins.previous_pose, begins.rows, [piece], stood))
 
@@ -357,14 +359,14 @@ class Fighter:
         away, apart = (position - root)[:2] / self.body.leg_length, self._apart(position)
         forward = away / max(apart, 1e-9)
         facing = math.atan2(forward[1], forward[0]) + self._stance()
-        yaw = float(self.plan.standing.motion.channels[self.frame, at.YAW])
+        yaw = float(self.plan.standing.motion.channels[self.frame, channel.YAW])
         turn = (facing - yaw + math.pi) % (2.0 * math.pi) - math.pi
         way = float(np.clip(apart - self.distance, -FIGHTER_STEP, FIGHTER_STEP))
         return float(np.clip(turn, -FIGHTER_TURN, FIGHTER_TURN)), way * forward
 
     def _stance(self) -> float:
         """Median yaw (rad) of the pelvis on guard relative to the facing direction: fighters stand half sideways."""
-        return float(np.median(self.guard.motion.channels[self.guard.first : self.guard.last + 1, at.YAW]))
+        return float(np.median(self.guard.motion.channels[self.guard.first : self.guard.last + 1, channel.YAW]))
 
     def _stands_wrong(self, position: FloatArray) -> bool:
         if self._order is not None or not self._played_for(GUARD_BLEND_SECONDS):

@@ -16,12 +16,12 @@ from studio.core.body.morphology import Morphology, sole_rows
 from studio.core.captures.contacts import HEIGHT_MARGIN, STILL_SPEED
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STANDS
-from studio.core.kernels.support.swing_foot_clearance import SWING_FADE, raise_swing_foot
+from studio.core.kernels.support.swing_foot_clearance import SWING_FADE_SECONDS, raise_swing_foot
 from studio.core.normalized.transition import remaining_offset_fraction, remaining_speed_offset
-from studio.core.solver.standing.blends import GOES_ALONG
-from studio.core.solver.standing.footprints import planes_under, soles_of, tilts_of
-from studio.core.solver.standing.held_foot import FootPath, Pivot, heel_pivot, sole_arms, toe_pivot
-from studio.core.solver.standing.tipping import depths_of, out_of_ground
+from studio.core.solver.grounding.contact_blending import DISPLACEMENT_RETURN_SECONDS
+from studio.core.solver.grounding.foot_tipping import depths_of, raised_out_of_ground
+from studio.core.solver.grounding.footprints import planes_under, soles_of, tilts_of
+from studio.core.solver.grounding.held_foot import FootPath, Pivot, heel_pivot, sole_arms, toe_pivot
 
 FloatArray = NDArray[np.float64]
 
@@ -115,7 +115,7 @@ class Foothold:
         state = self._found(own, low, dt)
         if state != self.state:
             self._change(state, own, dt)
-        grows = dt / SWING_FADE if self._shown else 1.0
+        grows = dt / SWING_FADE_SECONDS if self._shown else 1.0
         self.weight = min(max(self.weight + (grows if state else -grows), 0.0), 1.0)
         self._own = [*self._own[-1:], own]
         aimed = self._led(self._aimed(own))
@@ -210,7 +210,7 @@ class Foothold:
 
     def _out_of_ground(self, pose: FootPose) -> FootPose:
         feet, measures = FootPath(*(each[None] for each in pose)), sole_rows(self.body, self.side)
-        freed = out_of_ground(feet, measures, depths_of(feet, measures, self.ground))
+        freed = raised_out_of_ground(feet, measures, depths_of(feet, measures, self.ground))
         return FootPose(freed.ankles[0], freed.feet[0], freed.toes[0])
 
     def _gap(self, shown: FootPose, aimed: FootPose) -> FloatArray:
@@ -233,7 +233,7 @@ class Foothold:
 
     def _left(self, before: FloatArray, last: FloatArray) -> FloatArray:
         """Rest of a gap (3,) at this time; while the foot stands it closes without overshoot."""
-        seconds, speed, size = GOES_ALONG, (last - before) / self._pace, float(np.linalg.norm(last))
+        seconds, speed, size = DISPLACEMENT_RETURN_SECONDS, (last - before) / self._pace, float(np.linalg.norm(last))
         if self.state:
             closing = -float(speed @ last) / max(size, 1e-9)
             seconds = (

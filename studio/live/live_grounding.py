@@ -11,10 +11,10 @@ from studio.core.kernels.solve_clip import place_frames
 from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STANDS
 from studio.core.normalized.realize import realize_motion
 from studio.core.solver.asking.self_contact import self_contact_of
+from studio.core.solver.grounding.footing import Footing, leg_soft_thresholds, reach_relaxation
+from studio.core.solver.grounding.grounded_motion import GroundedMotion
+from studio.core.solver.grounding.raised_arms import raise_arms
 from studio.core.solver.request import AdaptRequest
-from studio.core.solver.standing.footing import Footing, leg_soft_thresholds, reach_relaxation
-from studio.core.solver.standing.raised_arms import raise_arms
-from studio.core.solver.standing.stand import GroundedMotion
 from studio.live.foothold import DampedHeight, Foothold, FootPose
 
 FloatArray = NDArray[np.float64]
@@ -27,7 +27,9 @@ STANDING_BITS = {point: HEEL_STANDS if point.is_heel else TOE_STANDS for point i
 
 
 class LiveGrounding:
-    """Grounding of a body's newest pose by ``stand``; foot contacts are kept from one call to the next."""
+    """Grounding of a body's newest pose by ``ground_motion``; foot contacts are kept from one call to the
+    next.
+    """
 
     def __init__(self) -> None:
         self._request: AdaptRequest | None = None

@@ -16,11 +16,11 @@ from studio.core.curves.activation import ActivationCurve, ease
 from studio.core.normalized.compose import Composite
 from studio.core.solver.adapt import grounded_motion
 from studio.core.solver.asking.tracks import Tracks, fixed_at
-from studio.core.solver.performers.performing import Prepare, motion_of, unconstrained_request
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, grounded_motion_of
 from studio.core.solver.performers.rows import composite_of, constraints_in, pieces_of
 from studio.core.solver.performers.stage import constraints_of_performer
+from studio.core.solver.performers.staged_performances import PrepareCapture, motion_of, unconstrained_request
 from studio.core.solver.solved_window import targets_of
-from studio.core.solver.standing.stand import GroundedMotion, grounded_motion_of
 from studio.core.stage.project import Project
 from studio.live.takeover import LAST_POSE_SECONDS, SPEED_FRAMES, take_over
 
@@ -75,13 +75,13 @@ class PlayingMotion:
         return replace(self.standing, self_contact=contact and replace(contact, clearances=None))
 
 
-def row_motion(project: Project, key: str, prepare: Prepare) -> PlayingMotion:
+def row_motion(project: Project, key: str, prepare: PrepareCapture) -> PlayingMotion:
     """Motion of a performer's clip track, as on the timeline. Raises StudioError if it cannot be played."""
     composite = composite_of(project, key, lambda motion_id: motion_of(project, motion_id, prepare))
     return _playing(project, key, composite, prepare)
 
 
-def with_grounding_of(project: Project, key: str, playing: PlayingMotion, prepare: Prepare) -> PlayingMotion:
+def with_grounding_of(project: Project, key: str, playing: PlayingMotion, prepare: PrepareCapture) -> PlayingMotion:
     """``playing`` grounded for the performer's body and ground in another ``project``."""
     changed = _playing(project, key, playing.composite, prepare, playing.kept)
     return replace(changed, going=playing.going)
@@ -93,7 +93,7 @@ def with_constraints_of(project: Project, key: str, playing: PlayingMotion) -> P
 
 
 def motion_after_takeover(
-    project: Project, key: str, before: PlayingMotion, frame: int, tracks: Tracks, prepare: Prepare
+    project: Project, key: str, before: PlayingMotion, frame: int, tracks: Tracks, prepare: PrepareCapture
 ) -> PlayingMotion:
     """Motion in which the only clip of a performer's row takes over, at its start, from ``frame`` of ``before``.
 
@@ -119,7 +119,7 @@ def motion_after_takeover(
 
 
 def _playing(
-    project: Project, key: str, composite: Composite, prepare: Prepare, kept: frozenset[str] = frozenset()
+    project: Project, key: str, composite: Composite, prepare: PrepareCapture, kept: frozenset[str] = frozenset()
 ) -> PlayingMotion:
     standing = grounded_motion(unconstrained_request(project, key, composite, prepare))
     return PlayingMotion(composite, standing, _asked(project, key, composite, standing, kept), kept=kept)

@@ -11,7 +11,7 @@ from studio.core.constraints.base import Constraint, Vector
 from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.scope import Scope
 from studio.core.curves.keyed import KeyedPlace
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.normalized.joining import PlanarTransform
 from studio.core.normalized.mirror import mirrored_motion
 from studio.core.normalized.motion import NormalizedMotion
@@ -138,7 +138,7 @@ def _trimmed(
 def _about(placement: PlanarTransform, motion: NormalizedMotion, first: int, is_mirrored: bool) -> PlanarTransform:
     """``placement`` as a rotation about the root in frame ``first`` and an offset, as a clip has it."""
     shown = mirrored_motion(motion) if is_mirrored else motion
-    place = shown.channels[first, at.HIPS : at.HIPS + 2]
+    place = shown.channels[first, channel.HIPS : channel.HIPS + 2]
     c, s = np.cos(placement.turn), np.sin(placement.turn)
     turned = np.array([c * place[0] - s * place[1], s * place[0] + c * place[1]])
     x, y = (turned + placement.offset - place).tolist()

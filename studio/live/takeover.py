@@ -1,7 +1,7 @@
 """Takeover: a motion that begins at any frame of a grounded one, placed where the body is.
 
 It follows the last displayed poses, so standing feet stay in place. It is grounded by itself and then inertialised from
-the current pose (``solver.standing.inertialisation``).
+the current pose (``solver.grounding.inertialisation``).
 """
 
 from collections.abc import Callable, Sequence
@@ -17,8 +17,8 @@ from studio.core.normalized.compose import Composite, blended_continuation, piec
 from studio.core.normalized.encode import encode_motion
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.pieces import MotionPiece
-from studio.core.solver.standing.inertialisation import Stance, inertialised_from
-from studio.core.solver.standing.stand import GroundedMotion, stand
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
+from studio.core.solver.grounding.inertialisation import Stance, inertialised_motion
 
 LAST_POSE_SECONDS = 2.0
 """Seconds for which the last pose is held before the takeover, so that standing feet keep their contacts."""
@@ -45,7 +45,7 @@ class Takeover:
 
     def inertialised(self, before: GroundedMotion, rows: NDArray[np.int64]) -> GroundedMotion:
         """Grounded motion inertialised from the frames ``rows`` of ``before``, the last displayed ones."""
-        return inertialised_from(self.standing, self.first, Stance.of(before, rows), self.seconds)
+        return inertialised_motion(self.standing, self.first, Stance.of(before, rows), self.seconds)
 
 
 def take_over(
@@ -74,7 +74,7 @@ def _shown(before: GroundedMotion, rows: NDArray[np.int64], start: float) -> Mot
     """
     standing, rate = before, before.motion.frame_rate
     if not standing.ground.is_level:
-        standing = stand(
+        standing = ground_motion(
             standing.motion,
             standing.morphology,
             standing.contacts,

@@ -248,7 +248,7 @@ class CurveQuery:
         """(F,) distance in millimetres of the centre of mass from the support polygon; 0 inside, and without
         contacts.
         """
-        from studio.core.solver.standing.support_polygon import (  # as above
+        from studio.core.solver.grounding.support_polygon import (  # as above
             mass_path,
             standing_mask,
             support_margins,

@@ -8,7 +8,7 @@ import numpy as np
 
 from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import limb_bones
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.rotations import from_matrix, to_rotation_vector
 from studio.core.stage.correction import NO_OFFSET, PoseOffsets
 from studio.document.correction_edits import correction_at, set_pose
@@ -137,7 +137,7 @@ class CorrectedJoint(Movable):
         """Displacement (3,) in leg lengths along the body's heading, from one in motion space in metres."""
         motion = self._pose.motion
         channels = motion.composite.motion.channels if motion.composite else None
-        yaw = 0.0 if channels is None else float(channels[min(self._pose.frame, len(channels) - 1), at.YAW])
+        yaw = 0.0 if channels is None else float(channels[min(self._pose.frame, len(channels) - 1), channel.YAW])
         c, s = np.cos(yaw), np.sin(yaw)
         x, y, z = displacement
         return np.array([c * x + s * y, -s * x + c * y, z]) / motion.body.leg_length

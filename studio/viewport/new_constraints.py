@@ -140,7 +140,7 @@ class NewConstraintContext:
 
     def freedom(self, part: BodyPart) -> FloatArray:
         """(F,) factor from 0 to 1 by which contacts release the limb of a segment in ``frames_around``."""
-        from studio.core.solver.standing.body_support import limb_freedom  # not before it is needed: it loads SciPy
+        from studio.core.solver.grounding.body_support import limb_freedom  # not before it is needed: it loads SciPy
 
         motion, rows, _ = self.frames_around
         frames = slice(rows.start + motion.first_frame, rows.stop + motion.first_frame)

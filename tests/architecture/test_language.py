@@ -16,8 +16,8 @@ ONE_FILE_A_KIND = (
 )  # fmt: skip
 """Folders whose files are named after a kind of thing that stands elsewhere as well, beside the folders of formats."""
 SAME_CONSTANT = dict.fromkeys(
-    ("FOOT", "HAND", "HEAD", "HIPS", "NECK", "PELVIS", "SPINE", "TOE", "YAW"),
-    "columns of a frame of channels, which stand behind the name of their table: ``at.HIPS``",
+    ("CLAVICLE", "FOOT", "HAND", "HEAD", "HIPS", "NECK", "PELVIS", "SPINE", "TOE", "YAW"),
+    "columns, which stand behind the name of their table: ``channel.HEAD``, ``measure.HEAD``",
 ) | {"T": "type variable"}
 """Constants that mean the same in every file that has them, with the reason."""
 SAME_FUNCTION = {

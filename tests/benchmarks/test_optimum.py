@@ -8,13 +8,13 @@ import pytest
 from benchmarks.optimum import excess
 from studio.cli.bench_cases import LIMB_CHAIN, BenchCase, make_tasks, target_positions
 from studio.core.grounds.ground import Ground
-from studio.core.solver.standing.stand import stand
+from studio.core.solver.grounding.grounded_motion import ground_motion
 from studio.io.project.character_file import bundled_characters
 from tests.core.motions import walk
 
 BODY = bundled_characters()["adult_woman"].morphology
 WALK, CONTACTS = walk(40)
-STANDING = stand(WALK, BODY, CONTACTS, Ground())
+STANDING = ground_motion(WALK, BODY, CONTACTS, Ground())
 TASKS = make_tasks(WALK, CONTACTS, BODY)
 FRAMES = [5, 30]
 

@@ -8,7 +8,7 @@ from benchmarks.clips import BUNDLED
 from benchmarks.scenes import COUNTS, LONGEST, Result, measure
 from studio.cli.bench_cases import clip_of
 from studio.core.grounds.ground import Ground
-from studio.core.solver.standing.stand import stand
+from studio.core.solver.grounding.grounded_motion import ground_motion
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
 from studio.jobs.adaptation import ready_capture
@@ -25,7 +25,7 @@ def measured(clip: str, seed: int, exact: bool) -> list[Result]:
     motion, contacts = clip_of(ready_capture(example_captures_folder() / clip, GUESS_ALL), LONGEST)
     bodies = list(bundled_characters().values())
     body = bodies[(BUNDLED.index(clip) + seed) % len(bodies)].morphology
-    return measure(clip, stand(motion, body, contacts, Ground()), seed, 1.0, exact, tries=1)
+    return measure(clip, ground_motion(motion, body, contacts, Ground()), seed, 1.0, exact, tries=1)
 
 
 @pytest.mark.parametrize("clip", BUNDLED)

@@ -4,8 +4,8 @@ from dataclasses import replace
 from functools import lru_cache
 
 from studio.core.solver.adapt import grounded_motion, solve_request
+from studio.core.solver.grounding.grounded_motion import GroundedMotion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.stand import GroundedMotion
 
 
 class _Grounding:

@@ -13,7 +13,7 @@ from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
-from studio.core.kernels import layout as at
+from studio.core.kernels import measure_columns as measure
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize_capture
 from studio.core.rotations import multiply, rotate, to_matrix
@@ -72,7 +72,7 @@ def swaying(
 def times(factor: float, body: Morphology) -> np.ndarray:
     """The packed measures of a body ``factor`` times as large: directions stay as they are."""
     packed = factor * body.packed
-    packed[at.MEASURE_NECK_REST : at.MEASURE_SPINE] = body.packed[at.MEASURE_NECK_REST : at.MEASURE_SPINE]
+    packed[measure.NECK_REST : measure.SPINE] = body.packed[measure.NECK_REST : measure.SPINE]
     return packed
 
 

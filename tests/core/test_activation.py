@@ -16,7 +16,7 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.scope import Scope
 from studio.core.curves.activation import ActivationCurve, EaseShape, ease
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import Performance, adapt_performers
+from studio.core.solver.performers.staged_performances import Performance, adapt_performers
 from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import clip_halves
 from studio.core.stage.project import Performer, Project

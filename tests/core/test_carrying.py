@@ -15,7 +15,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.grounds import Bumps, Slope, Steps
 from studio.core.grounds.ground import Ground
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.kernels.limbs.legs import place_leg
 from studio.core.kernels.records import ArmTargets, LegTargets, Pose, SupportLinks
 from studio.core.kernels.support import body_settling as kernel
@@ -25,10 +25,10 @@ from studio.core.normalized.realize import realize_motion
 from studio.core.quality.metrics import contact_quality
 from studio.core.rotations import multiply
 from studio.core.solver.adapt import adapt
+from studio.core.solver.grounding.body_support import find_support, tilt_with_ground
+from studio.core.solver.grounding.contact_blending import hann_average, interpolated_corrections
+from studio.core.solver.grounding.trunk_arching import arch_trunk
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.arching import arch_trunk
-from studio.core.solver.standing.blends import averaged, interpolated_corrections
-from studio.core.solver.standing.body_support import find_support, tilt_with_ground
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture, make_morphology, make_skeleton
 from tests.core.motions import RATE, about, random_rotations, walk
@@ -154,7 +154,7 @@ def test_a_wrist_over_fingers_that_slope_down_is_as_high_as_the_actors(above: fl
     wrist, tip = BODY.layout.wrist_point(0), BODY.layout.wrist_point(0) + 1
     lower = realize_motion(motion, BODY)[0][0, wrist, 2] - palm - above
     channels = motion.channels.copy()
-    channels[:, at.HIPS + 2] -= lower / BODY.leg_length
+    channels[:, channel.HIPS + 2] -= lower / BODY.leg_length
     contacts = _contacts(60, "left_hand", "right_hand", "left_toe", "right_toe")
     adapted = adapt(AdaptRequest(replace(motion, channels=channels), BODY, contacts, actor=BODY))
     assert adapted.positions[30, [wrist, tip], 2] == pytest.approx([palm + above, palm], abs=2e-3)
@@ -205,11 +205,11 @@ def test_who_carries_adds_up_to_everything_and_passes_on_smoothly() -> None:
 
 @given(arrays(np.float64, st.tuples(st.integers(1, 60), st.just(2)), elements=st.floats(-2, 2)), st.floats(0.02, 0.3))
 def test_averages_stay_within_and_keep_what_is_still(values: np.ndarray, reach: float) -> None:
-    smooth = averaged(values, reach, RATE)
+    smooth = hann_average(values, reach, RATE)
     assert smooth.shape == values.shape
     assert (smooth <= values.max(axis=0) + 1e-12).all()
     assert (smooth >= values.min(axis=0) - 1e-12).all()
-    assert np.allclose(averaged(np.full_like(values, 0.7), reach, RATE), 0.7)
+    assert np.allclose(hann_average(np.full_like(values, 0.7), reach, RATE), 0.7)
 
 
 @given(seeds)
@@ -310,8 +310,8 @@ def test_an_arm_is_placed_as_its_twin(seed: int) -> None:
     ours = (np.stack([[each]] * 2) for each in (comfort, wrist, hand, 1.0))
     kernel.place_arm(0, side, BODY.packed, ArmTargets(row[None], *ours), Pose(positions, rotations))
 
-    clavicle = rotations[layout.spine_count - 1] @ from_quaternion(row[at.CLAVICLE + 4 * side :][:4])
-    frame = clavicle @ from_quaternion(row[at.LIMB_FRAME + 4 * side :][:4])
+    clavicle = rotations[layout.spine_count - 1] @ from_quaternion(row[channel.CLAVICLE + 4 * side :][:4])
+    frame = clavicle @ from_quaternion(row[channel.LIMB_FRAME + 4 * side :][:4])
     apart, length = wrist - before[shoulder], BODY.arm[side].sum()
     distance = np.linalg.norm(apart)
     elbow, reached, first, second = place_limb(
@@ -319,9 +319,9 @@ def test_an_arm_is_placed_as_its_twin(seed: int) -> None:
         shortest_arc(frame[:, 2], apart / distance) @ frame,
         length * soft_reach(distance / length, comfort),
         tuple(BODY.arm[side]),
-        row[at.LIMB_OFF_PLANE + side] * length,
+        row[channel.LIMB_OFF_PLANE + side] * length,
         1.0,
-        row[at.LIMB_TWIST + 2 * side :][:2],
+        row[channel.LIMB_TWIST + 2 * side :][:2],
     )
     assert np.allclose(positions[shoulder + 1 : shoulder + 3], [elbow, reached], atol=1e-9)
     assert np.allclose(rotations[upper : upper + 3], [first, second, hand], atol=1e-9)

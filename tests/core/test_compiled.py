@@ -15,7 +15,7 @@ from numba import types
 from numba.core.typing import templates
 
 from studio.core.kernels.algebra.rotation_matrices import rotation_vector_to_matrix
-from studio.core.kernels.compiling import allocating_kernel, kernel, linked, pack, small_kernel
+from studio.core.kernels.compiling import allocating_kernel, kernel, linked_kernels, pack, small_kernel
 
 # Kernels that call kernels: parts linked into one whole that gives what Python gives, fresh and from the cache.
 
@@ -86,12 +86,12 @@ def test_a_kernel_can_be_called_by_kernels_first_and_then_by_python() -> None:
 
 
 OWN = (
-    linked.KernelPostProcessor,
-    linked.KernelPart,
-    linked.KernelProgram,
-    linked.KernelPipeline,
-    linked.PartCompiler,
-    linked.Kernel,
+    linked_kernels.KernelPostProcessor,
+    linked_kernels.KernelPart,
+    linked_kernels.KernelProgram,
+    linked_kernels.KernelPipeline,
+    linked_kernels.PartCompiler,
+    linked_kernels.Kernel,
 )
 
 
@@ -214,8 +214,8 @@ def both(vector, out_matrix):
 
 matrix = np.empty((3, 3))
 both(np.array([0.1, 0.2, 0.3]), matrix)
-ways = [name for name in ("linked", "plain") if f"studio.core.kernels.compiling.{name}" in sys.modules]
-assert ways == ["plain"], ways
+ways = [name for name in ("linked_kernels", "plain_numba") if f"studio.core.kernels.compiling.{name}" in sys.modules]
+assert ways == ["plain_numba"], ways
 print(matrix.ravel().tolist())
 """
 

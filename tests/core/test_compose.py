@@ -34,8 +34,8 @@ from studio.core.normalized.realize import realize_motion
 from studio.core.normalized.transition import MOST_TRANSITION_SECONDS, QUIET_PEAK, placed_channels
 from studio.core.quality.metrics import angular_acceleration, contact_quality
 from studio.core.solver.adapt import solve_constraints
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.performers.rows import clip_transform
-from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.core.stage.clip import Clip
 from studio.core.stage.clip_row import (
     clip_halves,
@@ -73,7 +73,7 @@ def cut(piece: MotionPiece, **changes: object) -> MotionPiece:
 
 
 def standing(composite: Composite) -> GroundedMotion:
-    return stand(composite.motion, BODY, composite.contacts, Ground())
+    return ground_motion(composite.motion, BODY, composite.contacts, Ground())
 
 
 @cache

@@ -31,8 +31,8 @@ from studio.core.quality.report import report_of
 from studio.core.rotations import from_matrix, to_matrix
 from studio.core.solver.adapt import adapt, body_point_positions
 from studio.core.solver.asking.area_rows import nearest_allowed_position
+from studio.core.solver.grounding.grounded_motion import grounded_motion_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.stand import grounded_motion_of
 from studio.io.project.character_file import bundled_characters
 from tests.core.motions import walk
 

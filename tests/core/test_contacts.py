@@ -29,7 +29,7 @@ from studio.core.captures.plate_steps import contacts_fitted_to_plates
 from studio.core.captures.rising_heels import rising_heels
 from studio.core.markers.force_plates import PlateLoad
 from studio.core.normalized.realize import realize_motion
-from studio.core.solver.standing.shown_floor import shown_floor
+from studio.core.solver.grounding.captured_floor import captured_floor
 from tests.builders import make_morphology
 from tests.core.motions import walk
 
@@ -491,14 +491,14 @@ def test_a_floor_that_drifts_is_found_as_far_as_it_drifts(slope: float, height: 
     floor = height + slope * seconds
     raised = POSITIONS.copy()
     raised[:, :, 2] += floor[:, None]
-    usual = shown_floor(CONTACTS, POSITIONS, BODY, WALK.frame_rate)
-    found = shown_floor(CONTACTS, raised, BODY, WALK.frame_rate) - usual
+    usual = captured_floor(CONTACTS, POSITIONS, BODY, WALK.frame_rate)
+    found = captured_floor(CONTACTS, raised, BODY, WALK.frame_rate) - usual
     inner = slice(60, 180)
     assert np.abs(found - floor)[inner].max() < 0.4 * abs(slope) + 1e-9
 
 
 def test_who_never_stands_shows_no_floor() -> None:
-    assert not shown_floor((), POSITIONS, BODY, WALK.frame_rate).any()
+    assert not captured_floor((), POSITIONS, BODY, WALK.frame_rate).any()
 
 
 def _at_heights(heights: np.ndarray) -> np.ndarray:

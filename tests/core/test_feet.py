@@ -13,18 +13,18 @@ from studio.core.constraints.base import BodyPoint, Chain
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.support import foot_rotation as kernel
 from studio.core.kernels.support import heel_roll
-from studio.core.kernels.support.foot_anchoring import TIP_PIVOT, anchor_ankles
+from studio.core.kernels.support.foot_anchoring import TIP_PIVOT_PITCH, anchor_ankles
 from studio.core.kernels.support.gap_interpolation import fade_into_gaps, interpolate_gaps
 from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STANDS, ball_above_heel, toe_heading
 from studio.core.normalized.realize import realize_motion
 from studio.core.rotations import to_matrix
 from studio.core.solver.adapt import body_point_positions, solve_constraints
-from studio.core.solver.asking.releasing import contact_release
+from studio.core.solver.asking.contact_release import contact_release
+from studio.core.solver.grounding.foot_tipping import heights_of
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
+from studio.core.solver.grounding.held_foot import FootPath
+from studio.core.solver.grounding.pelvis_tilt import MAX_OBLIQUITY, tilt_pelvis_to_feet
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.held_foot import FootPath
-from studio.core.solver.standing.obliquity import MAX_OBLIQUITY, dip_pelvis
-from studio.core.solver.standing.stand import GroundedMotion, stand
-from studio.core.solver.standing.tipping import heights_of
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_morphology
 from tests.core.motions import about, from_vectors, random_rotations, target, walk
@@ -141,7 +141,7 @@ def test_toes_that_roll_and_turn_have_a_still_point_between_ball_and_tip_at_last
     squares = (change**2).sum(axis=1)
     along = np.clip(-(of_balls * change).sum(axis=1) / np.where(squares > 0.0, squares, 1.0), 0.0, 1.0)
     assert np.allclose(of_balls + along[:, None] * change, 0.0, atol=1e-9)
-    on_tips = pitches[:40] > TIP_PIVOT
+    on_tips = pitches[:40] > TIP_PIVOT_PITCH
     assert np.allclose(of_tips[on_tips[1:] & on_tips[:-1]], 0.0, atol=1e-9)
     assert np.allclose(tips[:40, 2], steps.ground[:40], atol=1e-9)
     assert balls[39, 2] - thick > steps.ground[39] + 0.5 * TOE_LENGTH
@@ -312,7 +312,7 @@ def test_a_ball_that_has_risen_stands_on_the_tip_of_its_toes() -> None:
     pitches = np.empty(120)
     heel_roll.tiptoe_pitches(SOLE_MEASURES, STATES, RISE, 10.0, pitches)
     assert not pitches[STATES != TOE_STANDS].any()
-    assert 0.3 < pitches[59] < heel_roll.STEEPEST_TOE
+    assert 0.3 < pitches[59] < heel_roll.STEEPEST_TOE_PITCH
     heel_roll.tiptoe_pitches(SOLE_MEASURES, STATES, 0.1 * RISE, 10.0, pitches)
     assert not pitches.any()
 
@@ -325,7 +325,7 @@ WHOLE_CHAIN = Chain(trunk=1.0, root=1.0)
 
 
 def standing_on(body: str) -> GroundedMotion:
-    return stand(WALK, bundled_characters()[body].morphology, CONTACTS, Ground())
+    return ground_motion(WALK, bundled_characters()[body].morphology, CONTACTS, Ground())
 
 
 def sole_heights(solved: AdaptedMotion, side: int) -> NDArray[np.float64]:
@@ -394,7 +394,13 @@ def dipped(lower: float, states: np.ndarray) -> tuple[np.ndarray, ...]:
     before, turned = positions.copy(), rotations.copy()
     off = np.zeros((2, 120, 3))
     off[1, :, 2] = -lower
-    return dip_pelvis(off, states, BODY, WALK.frame_rate, positions, rotations), before, turned, positions, rotations
+    return (
+        tilt_pelvis_to_feet(off, states, BODY, WALK.frame_rate, positions, rotations),
+        before,
+        turned,
+        positions,
+        rotations,
+    )
 
 
 @given(st.floats(-0.1, 0.1))

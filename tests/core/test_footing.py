@@ -15,8 +15,8 @@ from studio.core.kernels.solve_clip import place_frames
 from studio.core.kernels.support.foot_anchoring import anchor_ankles
 from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS
 from studio.core.normalized.realize import realize_motion
-from studio.core.solver.standing.blends import release_weight, smooth_drops
-from studio.core.solver.standing.footing import find_footing, foot_states, leg_soft_thresholds, root_follow
+from studio.core.solver.grounding.contact_blending import release_weight, smooth_drops
+from studio.core.solver.grounding.footing import find_footing, foot_states, leg_soft_thresholds, root_follow
 from tests.builders import make_morphology
 from tests.core.motions import random_rotations, walk
 from tests.core.twins import legs as twin

@@ -14,9 +14,9 @@ from studio.core.grounds import GROUND_KINDS, Bumps, HeightMap, Slope, Steps, Su
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio, contact_quality
 from studio.core.solver.adapt import adapt
+from studio.core.solver.grounding.footprints import planes_under, tilts_of
+from studio.core.solver.grounding.grounded_motion import ground_motion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.footprints import planes_under, tilts_of
-from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
 from tests.core.motions import walk
 
@@ -119,9 +119,9 @@ def test_the_body_climbs_with_the_steps() -> None:
 
 def test_a_clip_without_contacts_floats_over_the_ground_and_breaks_nothing() -> None:
     for ground in UNEVEN.values():
-        standing = stand(WALK, BODIES["adult_woman"], (), ground)
+        standing = ground_motion(WALK, BODIES["adult_woman"], (), ground)
         assert np.isfinite(standing.positions).all()
-    apart = stand(WALK, BODIES["adult_woman"], (), Slope(0.0, TILT)).positions[:, 0, 2]
+    apart = ground_motion(WALK, BODIES["adult_woman"], (), Slope(0.0, TILT)).positions[:, 0, 2]
     assert apart[-1] - apart[0] > 0.3
 
 

@@ -19,14 +19,14 @@ from studio.core.grounds.ground import Ground
 from studio.core.kernels.algebra.rotation_tuples import write_rotation
 from studio.core.kernels.body.parts import limb_parts, rotate_part
 from studio.core.kernels.limbs import limb as kernel
-from studio.core.kernels.limbs import reach as reach_kernel
+from studio.core.kernels.limbs import limb_reach as reach_kernel
 from studio.core.kernels.records import LimbShape, Pose
 from studio.core.normalized.realize import realize_motion
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.asking.tracks import Track
+from studio.core.solver.grounding.grounded_motion import ground_motion
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_morphology
 from tests.core.motions import ALWAYS, RATE, local_rotations, random_rotations, target, walk
@@ -294,7 +294,7 @@ def test_a_swivel_is_the_best_turn_that_leaves_the_held_point_alone(seed: int, l
     found = float(np.linalg.norm(reach.moved - reach.target))
     assert np.allclose(reach.positions[reach.root + 2], held, atol=1e-9)
     assert best - 1e-9 <= found <= start + 1e-9
-    if lever >= reach_kernel.SWIVEL_LEVER and np.cos(angle) >= np.cos(reach_kernel.SWIVEL_ANGLE):
+    if lever >= reach_kernel.SWIVEL_FADE_LEVER and np.cos(angle) >= np.cos(reach_kernel.SWIVEL_FADE_ANGLE):
         assert found == pytest.approx(best, abs=1e-7)
     reach.assert_whole()
 
@@ -355,8 +355,8 @@ def test_a_point_on_its_pivot_cannot_be_aimed_and_nothing_breaks() -> None:
 
 BODIES = {name: character.morphology for name, character in bundled_characters().items()}
 WALK, CONTACTS = walk(90)
-STANDING = {name: stand(WALK, body, CONTACTS, Ground()) for name, body in BODIES.items()}
-IN_AIR = {name: stand(WALK, body, (), Ground()) for name, body in BODIES.items()}
+STANDING = {name: ground_motion(WALK, body, CONTACTS, Ground()) for name, body in BODIES.items()}
+IN_AIR = {name: ground_motion(WALK, body, (), Ground()) for name, body in BODIES.items()}
 FRAME = 30
 ALONE, TRUNK, ALL = Chain(clavicle=0.0), Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)
 ARM, LEG = ("upper_arm", "forearm"), ("thigh", "shank")

@@ -15,7 +15,7 @@ from studio.core.body.morphology import AnimatedMorphology, Morphology, Proporti
 from studio.core.errors import StudioError
 from studio.core.grounds import Slope
 from studio.core.grounds.ground import Ground
-from studio.core.kernels import layout as at
+from studio.core.kernels import measure_columns as measure
 from studio.core.kernels.algebra.rotation_tuples import rotation_from_matrix
 from studio.core.kernels.body import parts as kernel
 from studio.core.kernels.body.parts import distal_range
@@ -24,7 +24,7 @@ from studio.core.normalized.realize import realize_motion
 from studio.core.quality.metrics import angular_acceleration, contact_quality
 from studio.core.rigs.character_skeleton import character_poses, character_skeleton
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import adapt_performers
+from studio.core.solver.performers.staged_performances import adapt_performers
 from studio.core.solver.request import AdaptRequest
 from studio.document.document import Document
 from studio.io.project.character_file import bundled_characters, read_character, write_character
@@ -92,16 +92,16 @@ def test_packed_measures_stand_where_the_kernels_look_for_them() -> None:
         plain, **{field.name: random.uniform(0.1, 1, np.shape(getattr(plain, field.name))) for field in fields(plain)}
     )
     for name, first in (
-        ("neck", at.MEASURE_NECK), ("head", at.MEASURE_HEAD), ("collar_base", at.MEASURE_COLLAR_BASE),
-        ("clavicle", at.MEASURE_CLAVICLE),
-        ("arm", at.MEASURE_ARM), ("hand", at.MEASURE_HAND), ("hip_offset", at.MEASURE_HIP_OFFSET),
-        ("leg", at.MEASURE_LEG),
-        ("foot", at.MEASURE_FOOT), ("toe", at.MEASURE_TOE), ("ankle_height", at.MEASURE_ANKLE_HEIGHT),
-        ("toe_height", at.MEASURE_TOE_HEIGHT), ("heel_length", at.MEASURE_HEEL_LENGTH), ("spine", at.MEASURE_SPINE),
+        ("neck", measure.NECK), ("head", measure.HEAD), ("collar_base", measure.COLLAR_BASE),
+        ("clavicle", measure.CLAVICLE),
+        ("arm", measure.ARM), ("hand", measure.HAND), ("hip_offset", measure.HIP_OFFSET),
+        ("leg", measure.LEG),
+        ("foot", measure.FOOT), ("toe", measure.TOE), ("ankle_height", measure.ANKLE_HEIGHT),
+        ("toe_height", measure.TOE_HEIGHT), ("heel_length", measure.HEEL_LENGTH), ("spine", measure.SPINE),
     ):  # fmt: skip
-        measure = np.ravel(getattr(body, name))
-        assert np.array_equal(body.packed[first : first + len(measure)], measure)
-    assert len(body.packed) == at.MEASURE_SPINE + 3 * len(body.spine)
+        numbers = np.ravel(getattr(body, name))
+        assert np.array_equal(body.packed[first : first + len(numbers)], numbers)
+    assert len(body.packed) == measure.SPINE + 3 * len(body.spine)
 
 
 def test_stature_is_sole_to_crown() -> None:

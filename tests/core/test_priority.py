@@ -43,8 +43,8 @@ from studio.core.quality.metrics import contact_quality
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import body_point_positions, solve_constraints
 from studio.core.solver.asking.chains import CLAVICLE_LIMIT, VERTEBRA_LIMIT, joints_of_chains
+from studio.core.solver.grounding.grounded_motion import ground_motion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture, make_morphology, make_skeleton
 from tests.core.grounding import adapt_again
@@ -181,7 +181,7 @@ def _seeds_for(body: Morphology, count: int) -> range:
 @pytest.mark.parametrize("away", [0.02, 0.05, 0.1, 0.2, 0.4])
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_whatever_is_added_below_changes_nothing_of_sets_of_wishes_in_any_order(body: Morphology, away: float) -> None:
-    standing = stand(WALK, body, CONTACTS, Ground())
+    standing = ground_motion(WALK, body, CONTACTS, Ground())
     for seed in _seeds_for(body, 40):
         random = np.random.default_rng(seed)
         wishes = _random_set(body, away, random)
@@ -197,7 +197,7 @@ def test_whatever_is_added_below_changes_nothing_of_sets_of_wishes_in_any_order(
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_whatever_is_added_below_changes_nothing_of_wishes_of_any_kind(body: Morphology) -> None:
     motion, contacts = walk(60)
-    standing = stand(motion, body, contacts, Ground())
+    standing = ground_motion(motion, body, contacts, Ground())
     before = solve_constraints(standing, ())
     for seed in _seeds_for(body, 150):
         random = np.random.default_rng(seed)
@@ -220,7 +220,7 @@ def test_whatever_is_added_below_changes_nothing_of_wishes_of_any_kind(body: Mor
 def test_what_does_not_act_changes_nothing(eased: bool, body: Morphology) -> None:
     """Any constraint, of any chain, weight and priority, be it over or, eased, still to come."""
     motion, contacts = walk(60)
-    standing = stand(motion, body, contacts, Ground())
+    standing = ground_motion(motion, body, contacts, Ground())
     past = ActivationCurve(5.0, 5.0, 6.0, 6.0) if eased else ActivationCurve(0.0, 0.0, 0.1, 0.2)
     before = solve_constraints(standing, ())
     for seed in _seeds_for(body, 20):

@@ -20,9 +20,9 @@ from studio.core.normalized.normalize import normalize_capture
 from studio.core.normalized.realize import realize_motion
 from studio.core.rotations import from_euler, to_matrix
 from studio.core.solver.adapt import adapt, body_point_positions
-from studio.core.solver.performers.performing import StagedPerformances, adapt_performers
 from studio.core.solver.performers.prop_tracks import Holder, chest_headings, hand_over_seconds, stage_track
 from studio.core.solver.performers.stage import constraints_of_performer
+from studio.core.solver.performers.staged_performances import StagedPerformances, adapt_performers
 from studio.core.stage.holding import grip_constraints
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project

@@ -50,9 +50,9 @@ from studio.core.quality.report import (
 from studio.core.rotations import to_matrix
 from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
 from studio.core.solver.asking.clearance import arm_distances
+from studio.core.solver.grounding.grounded_motion import grounded_motion_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.solved_window import SolverLimits
-from studio.core.solver.standing.stand import grounded_motion_of
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_morphology
 from tests.core.motions import RATE, about, walk
@@ -193,7 +193,7 @@ def test_peaks_of_a_long_motion_are_found_in_runs_of_frames() -> None:
     whole = turning_peaks(motion)
     for length in (3, 7):
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(metrics, "PEAK_RUN", length)
+            patch.setattr(metrics, "PEAK_CHUNK_FRAMES", length)
             assert np.array_equal(turning_peaks(motion), whole)
 
 

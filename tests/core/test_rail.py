@@ -18,8 +18,8 @@ from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import contact_quality
 from studio.core.quality.report import report_of
 from studio.core.solver.adapt import body_point_positions
+from studio.core.solver.grounding.grounded_motion import grounded_motion_of
 from studio.core.solver.request import AdaptRequest
-from studio.core.solver.standing.stand import grounded_motion_of
 from tests.core.test_constraint_kinds import ALL, BODIES, CONTACTS, LEFT, RIGHT, WALK, ask, solved
 
 MET = 2e-4

@@ -17,11 +17,11 @@ from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import contact_quality, point_heights
 from studio.core.quality.report import BLOCKED_BY_GROUND, report_of
 from studio.core.solver.adapt import body_point_positions, solve_constraints
+from studio.core.solver.asking.contact_release import constraint_activations, contact_release, ramped_target
 from studio.core.solver.asking.ground_limit import target_above_ground
-from studio.core.solver.asking.releasing import constraint_activations, contact_release, ramped_target
 from studio.core.solver.asking.tracks import Track
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.io.project.character_file import bundled_characters
 from tests.core.grounding import adapt_again
 from tests.core.motions import target, walk
@@ -114,7 +114,7 @@ def test_a_hand_is_met_over_the_whole_clip(body: Morphology) -> None:
 
 
 SHORT_WALK, SHORT_CONTACTS = walk(120)
-STANDING = stand(SHORT_WALK, bundled_characters()["tall_man"].morphology, SHORT_CONTACTS, Ground())
+STANDING = ground_motion(SHORT_WALK, bundled_characters()["tall_man"].morphology, SHORT_CONTACTS, Ground())
 BEFORE, EVERY_FRAME = solve_constraints(STANDING, ()), slice(0, SHORT_WALK.frame_count)
 ANKLE = BodyPoint(BodyPart.LEFT_SHANK, at_end=True)
 PLACE = body_point_positions(ANKLE, BEFORE)[60] + [0.1, 0.2, 0.3]
@@ -180,7 +180,7 @@ DEEPEST = 0.005
 
 @cache
 def standing_on(body: str) -> GroundedMotion:
-    return stand(SHORT_WALK, bundled_characters()[body].morphology, SHORT_CONTACTS, Ground())
+    return ground_motion(SHORT_WALK, bundled_characters()[body].morphology, SHORT_CONTACTS, Ground())
 
 
 def depths(solved: AdaptedMotion, standing: GroundedMotion) -> NDArray[np.float64]:

@@ -16,7 +16,7 @@ from studio.core.body.pose import PoseSequence
 from studio.core.body.skeleton import Skeleton
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.kernels.body.pose_from_channels import spine_sampling
 from studio.core.kernels.limbs.limb import BONE_LINE_TOLERANCE
 from studio.core.normalized.alignment import find_alignments
@@ -42,16 +42,16 @@ WALK = walk(30)[0]
 def random_motion(seed: int, spine_count: int = 3, frames: int = 4) -> NormalizedMotion:
     """Any channels that mean something: unit quaternions, slack between 0 and 1."""
     random = np.random.default_rng(seed)
-    channels = 0.3 * random.normal(size=(frames, at.SPINE + 4 * (spine_count - 1)))
+    channels = 0.3 * random.normal(size=(frames, channel.SPINE + 4 * (spine_count - 1)))
     for first, count in (
-        (at.PELVIS, 1), (at.NECK, 1), (at.HEAD, 1), (at.CLAVICLE, 2), (at.LIMB_FRAME, 4), (at.HAND, 2), (at.FOOT, 2),
-        (at.TOE, 2), (at.SPINE, spine_count - 1),
+        (channel.PELVIS, 1), (channel.NECK, 1), (channel.HEAD, 1), (channel.CLAVICLE, 2), (channel.LIMB_FRAME, 4),
+        (channel.HAND, 2), (channel.FOOT, 2), (channel.TOE, 2), (channel.SPINE, spine_count - 1),
     ):  # fmt: skip
         block = random.normal(size=(frames, count, 4))
         block /= np.linalg.norm(block, axis=-1, keepdims=True)
         channels[:, first : first + 4 * count] = block.reshape(frames, -1)
-    channels[:, at.LIMB_SLACK : at.LIMB_SLACK + 4] = random.uniform(0.001, 0.8, size=(frames, 4))
-    channels[:, at.LIMB_BEND : at.LIMB_BEND + 4] = random.choice([-1.0, 1.0], size=(frames, 4))
+    channels[:, channel.LIMB_SLACK : channel.LIMB_SLACK + 4] = random.uniform(0.001, 0.8, size=(frames, 4))
+    channels[:, channel.LIMB_BEND : channel.LIMB_BEND + 4] = random.choice([-1.0, 1.0], size=(frames, 4))
     places = np.concatenate([[0.0], np.sort(random.uniform(0.1, 0.9, size=spine_count - 2)), [1.0]])
     return NormalizedMotion("random", 60.0, channels, places)
 
@@ -124,9 +124,9 @@ def test_its_own_vertebrae_are_taken_as_they_are() -> None:
 
 def test_hips_and_head_stray_only_where_the_actor_is_played() -> None:
     still = WALK.channels.copy()
-    still[:, at.HIP_SHIFT : at.HEAD_SHIFT + 3] = 0.0
+    still[:, channel.HIP_SHIFT : channel.HEAD_SHIFT + 3] = 0.0
     strayed = still + 0.0
-    strayed[:, at.HIP_SHIFT : at.HEAD_SHIFT + 3] = 0.1
+    strayed[:, channel.HIP_SHIFT : channel.HEAD_SHIFT + 3] = 0.1
     body = make_morphology()
     rigid = realize_motion(replace(WALK, channels=still), body, play=True)[0]
     assert np.array_equal(realize_motion(replace(WALK, channels=strayed), body)[0], rigid)
@@ -145,8 +145,8 @@ def test_wide_hips_go_over_the_feet_as_far_as_the_actors(wider: float) -> None:
     wide = replace(body, hip_offset=body.hip_offset * [1.0, wider, 1.0])
     turns = np.linspace(-1.0, 1.0, WALK.frame_count)[:, None] * [0.1, 0.0, 0.5, 0.0]
     channels, pelvis = WALK.channels.copy(), normalized(turns + np.array([0.0, 0.0, 0.0, 1.0]))
-    channels[:, at.YAW], channels[:, at.PELVIS : at.PELVIS + 4] = 0.0, pelvis
-    channels[:, at.FOOT : at.FOOT + 8] = np.tile(inverse(pelvis), 2)
+    channels[:, channel.YAW], channels[:, channel.PELVIS : channel.PELVIS + 4] = 0.0, pelvis
+    channels[:, channel.FOOT : channel.FOOT + 8] = np.tile(inverse(pelvis), 2)
     motion = replace(WALK, channels=channels, girdle=girdle_of(body))
     poses = [realize_motion(motion, each) for each in (body, wide)]
     left, right = (body.layout.hip_point(side) for side in (0, 1))
@@ -163,8 +163,8 @@ def test_hips_whose_feet_lie_on_their_sides_turn_as_they_are_meant() -> None:
     body = make_morphology()
     wide = replace(body, hip_offset=body.hip_offset * [1.0, 3.0, 1.0])
     channels, aside = WALK.channels.copy(), [np.sin(np.pi / 4.0), 0.0, 0.0, np.cos(np.pi / 4.0)]
-    channels[:, at.PELVIS : at.PELVIS + 4] = aside
-    channels[:, at.FOOT : at.FOOT + 8] = [0.0, 0.0, 0.0, 1.0] * 2
+    channels[:, channel.PELVIS : channel.PELVIS + 4] = aside
+    channels[:, channel.FOOT : channel.FOOT + 8] = [0.0, 0.0, 0.0, 1.0] * 2
     motion = replace(WALK, channels=channels, girdle=girdle_of(body))
     assert np.allclose(realize_motion(motion, wide)[1], realize_motion(motion, body)[1], atol=1e-12)
 
@@ -176,7 +176,7 @@ def test_bones_that_share_their_limb_otherwise_lie_nearly_as_the_actors_however_
     body = replace(body, leg=np.full((2, 2), body.leg.mean()))
     other = replace(body, leg=2.0 * body.leg.mean() * np.array([[part, 1.0 - part]] * 2))
     channels = WALK.channels.copy()
-    channels[:, at.LIMB_SLACK + 2 : at.LIMB_SLACK + 4] = 1.0 - reach
+    channels[:, channel.LIMB_SLACK + 2 : channel.LIMB_SLACK + 4] = 1.0 - reach
     motion = replace(WALK, channels=channels, girdle=girdle_of(body))
     (_, own), (_, others) = (realize_motion(motion, each) for each in (body, other))
     for bone in (BodyPart.LEFT_THIGH, BodyPart.LEFT_SHANK):
@@ -281,10 +281,10 @@ def test_how_joint_axes_lie_does_not_change_the_motion(seed: int) -> None:
 
 def _same_channels(first: np.ndarray, second: np.ndarray, tolerance: float = 1e-7) -> bool:
     """Alike but for the sign of a quaternion and for whole turns of an angle."""
-    turns = [at.YAW, *range(at.LIMB_TWIST, at.LIMB_TWIST + 8)]
+    turns = [channel.YAW, *range(channel.LIMB_TWIST, channel.LIMB_TWIST + 8)]
     apart = np.abs(first - second)
     apart[:, turns] = np.abs(np.angle(np.exp(1j * (first[:, turns] - second[:, turns]))))
-    for start in (*at.QUATERNION_COLUMNS, *range(at.SPINE, first.shape[1], 4)):
+    for start in (*channel.QUATERNION_COLUMNS, *range(channel.SPINE, first.shape[1], 4)):
         block = slice(start, start + 4)
         apart[:, block] = np.minimum(apart[:, block], np.abs(first[:, block] + second[:, block]))
     return bool(apart.max() < tolerance)
@@ -311,8 +311,8 @@ def test_where_the_actor_stands_and_looks_changes_the_root_alone(seed: int, yaw:
     motion, actor = normalize_capture(capture)
     moved, other = normalize_capture(placed(capture, yaw, (x, y)))
     expected = motion.channels.copy()
-    expected[:, at.YAW] += yaw
-    expected[:, at.HIPS : at.HIPS + 3] = motion.channels[:, at.HIPS : at.HIPS + 3] @ about_z(yaw).T
+    expected[:, channel.YAW] += yaw
+    expected[:, channel.HIPS : channel.HIPS + 3] = motion.channels[:, channel.HIPS : channel.HIPS + 3] @ about_z(yaw).T
     assert _same_channels(moved.channels, expected, 1e-6)
     assert np.allclose(other.morphology.packed, actor.morphology.packed, atol=1e-9)
 
@@ -339,12 +339,12 @@ def test_a_motion_realised_on_another_body_is_still_the_same_motion(seed: int) -
     )
     again, actor = normalize_capture(recorded)
     begins_at_the_origin = [
-        channels - np.eye(1, channels.shape[1], at.HIPS) * channels[0, 0]
-        - np.eye(1, channels.shape[1], at.HIPS + 1) * channels[0, 1]
+        channels - np.eye(1, channels.shape[1], channel.HIPS) * channels[0, 0]
+        - np.eye(1, channels.shape[1], channel.HIPS + 1) * channels[0, 1]
         for channels in (again.channels, motion.channels)
     ]  # fmt: skip
     for channels in begins_at_the_origin:
-        channels[:, at.CLAVICLE : at.LIMB_FRAME + 8] = 0.0
+        channels[:, channel.CLAVICLE : channel.LIMB_FRAME + 8] = 0.0
     assert _same_channels(*begins_at_the_origin, 1e-6)
     assert np.allclose(actor.morphology.leg, body.leg)
     assert np.allclose(actor.morphology.arm, body.arm)

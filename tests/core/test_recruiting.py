@@ -20,12 +20,12 @@ from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
-from studio.core.kernels.limbs.reach import aim_at
+from studio.core.kernels.limbs.limb_reach import aim_at
 from studio.core.kernels.records import HAND_CONTACT, FrameBody, FrameProblem, LegTargets, Pose
 from studio.core.kernels.search.body_placement import pose_body
 from studio.core.kernels.search.joints import ROOT_TRANSLATION
 from studio.core.kernels.solve_clip import make_search
-from studio.core.kernels.support.swing_foot_clearance import SWING_FADE
+from studio.core.kernels.support.swing_foot_clearance import SWING_FADE_SECONDS
 from studio.core.kernels.tasks.balance import (
     accumulate_masses,
     add_arm_jacobian,
@@ -40,10 +40,10 @@ from studio.core.quality.metrics import acceleration_ratio, angular_acceleration
 from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.asking.chains import joints_of_chains, point_masses, segment_masses
 from studio.core.solver.asking.limb_availability import arm_limit_fractions, leg_limit_fractions, limb_availability
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
+from studio.core.solver.grounding.support_polygon import mass_path
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.solved_window import SolverLimits
-from studio.core.solver.standing.stand import GroundedMotion, stand
-from studio.core.solver.standing.support_polygon import mass_path
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture, make_skeleton
 from tests.core.motions import ALWAYS, HINGES, RATE, about, local_rotations, target, walk
@@ -80,7 +80,7 @@ def _kick() -> tuple[NormalizedMotion, tuple[ContactInterval, ...]]:
 
 
 KICK, CONTACTS = _kick()
-STANDING = {name: stand(KICK, body, CONTACTS, Ground()) for name, body in BODIES.items()}
+STANDING = {name: ground_motion(KICK, body, CONTACTS, Ground()) for name, body in BODIES.items()}
 WALK, STEPS = walk(FRAMES)
 ARMS, LEGS = Chain(0.0, 0.0, 0.0, 0.0, 0.0, free_arms=1.0), Chain(0.0, 0.0, 0.0, 0.0, 0.0, free_legs=1.0)
 TRUNK = Chain(limb=0.0, clavicle=0.0, trunk=1.0, root=1.0)
@@ -151,7 +151,7 @@ def test_planted_feet_never_move_and_a_swinging_leg_does(name: str, chain: Chain
 @pytest.mark.parametrize("chain", [LEGS, WHOLE], ids=["legs", "whole"])
 @pytest.mark.parametrize("name", BODIES)
 def test_a_leg_that_fades_does_not_pop(name: str, chain: Chain) -> None:
-    for standing in (STANDING[name], stand(WALK, BODIES[name], STEPS, Ground())):
+    for standing in (STANDING[name], ground_motion(WALK, BODIES[name], STEPS, Ground())):
         solved = solve_constraints(standing, (_support(chain),), eased=True)
         assert acceleration_ratio(solved, solve_constraints(standing, ())) < 3.0
 
@@ -205,7 +205,7 @@ def test_an_arm_is_back_in_the_motion_before_a_wish_above_begins_and_helps_again
     solved = solve_constraints(standing, (balance, asked))
     turned = _turned(solved, standing)[:, body.layout.segment_of_part(BodyPart.LEFT_UPPER_ARM)]
     begin, end = round(times.start * RATE), round(times.end * RATE)
-    soon = round(SWING_FADE * RATE) + 2
+    soon = round(SWING_FADE_SECONDS * RATE) + 2
     assert turned[[begin, end]].max() < 0.02
     assert turned[[begin - soon, end + soon]].min() > 0.1
     peak = angular_acceleration(local_rotations(solved), RATE).max(axis=-1)

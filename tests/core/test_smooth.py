@@ -27,21 +27,21 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.tasks.goals import RADIAN_LENGTH
-from studio.core.kernels.time.acceleration_peaks import TOTAL_PEAK
+from studio.core.kernels.time.acceleration_peaks import TOTAL_PEAK_FRACTION
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.plausible import PLACE_RANGE, TURN_RANGE
 from studio.core.quality.metrics import angular_acceleration, contact_quality
 from studio.core.quality.report import BLOCKED_BY_SMOOTHING, report_of
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
+from studio.core.solver.asking.contact_release import constraint_activations
 from studio.core.solver.asking.packing import pack_tasks
-from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.asking.tracks import Targets, Track
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
 from studio.core.solver.smoothing.target_motion import target_accelerations
 from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow
-from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.io.importing import GUESS_ALL, load_capture
 from studio.io.project.character_file import bundled_characters
 from studio.jobs.adaptation import ReadyCapture, ready_capture, ready_from_capture
@@ -163,7 +163,7 @@ def test_the_same_asked_twice_or_at_two_priorities_is_no_trouble(asked: Constrai
 # Smooth targets have smooth answers, by METHOD's figure: three times what the source and the target bring.
 
 
-STANDING = tuple(stand(WALK, body, CONTACTS, Ground()) for body in BODIES)
+STANDING = tuple(ground_motion(WALK, body, CONTACTS, Ground()) for body in BODIES)
 SOLVED = tuple(solve_constraints(standing, ()) for standing in STANDING)
 ARM, TRUNK, WHOLE = Chain(), Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)
 KINDS = "wrist", "hand", "elbow", "head", "pelvis", "balance", "look"
@@ -305,7 +305,7 @@ def test_what_is_eased_below_takes_nothing_from_what_stands_above(seed: int) -> 
 
 
 def test_any_window_is_as_the_whole_clip() -> None:
-    standing = stand(LONG, WOMAN, LONG_CONTACTS, Ground())
+    standing = ground_motion(LONG, WOMAN, LONG_CONTACTS, Ground())
     wish = _past(standing)
     plain, whole = (solve_constraints(standing, (wish,), eased=e) for e in (False, True))
     eased = np.flatnonzero(np.abs(whole.positions - plain.positions).max(axis=(1, 2)) > 1e-4)
@@ -336,11 +336,11 @@ def test_frames_jolt_as_much_when_they_are_solved_as_when_they_are_eased() -> No
     assert 3 < looked.sum() < 88
     assert solve.sharp[:, :-1] == pytest.approx(measured[:, :-1])
     assert solve.sharp[looked, -1] == pytest.approx(measured[looked, -1])
-    assert measured[~looked, -1].max() < TOTAL_PEAK * STANDING[4].peak_angular_accelerations.max()
+    assert measured[~looked, -1].max() < TOTAL_PEAK_FRACTION * STANDING[4].peak_angular_accelerations.max()
 
 
 def test_nothing_is_eased_where_nothing_acts() -> None:
-    standing = stand(LONG, WOMAN, LONG_CONTACTS, Ground())
+    standing = ground_motion(LONG, WOMAN, LONG_CONTACTS, Ground())
     acts = ActivationCurve(3.0, 3.3, 8.0, 8.3)
     solved, before = (
         solve_constraints(standing, (_past(standing, ("activation", acts)),), eased=True),
@@ -375,9 +375,9 @@ def test_a_body_with_free_joints_and_one_that_keeps_clear_of_itself_are_eased_to
 
 def test_a_report_says_what_was_missed_for_easing() -> None:
     request = AdaptRequest(
-        LONG, WOMAN, LONG_CONTACTS, (_past(stand(LONG, WOMAN, LONG_CONTACTS, Ground())),), eased=True
+        LONG, WOMAN, LONG_CONTACTS, (_past(ground_motion(LONG, WOMAN, LONG_CONTACTS, Ground())),), eased=True
     )
-    standing = stand(LONG, WOMAN, LONG_CONTACTS, Ground())
+    standing = ground_motion(LONG, WOMAN, LONG_CONTACTS, Ground())
     adapted = solve_constraints(standing, request.constraints, eased=True)
     assert (report_of(standing, request, adapted).winners == BLOCKED_BY_SMOOTHING).any()
 

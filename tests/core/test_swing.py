@@ -27,9 +27,9 @@ from studio.core.quality.metrics import contact_quality
 from studio.core.rotations import to_matrix
 from studio.core.runs import runs_of
 from studio.core.solver.adapt import body_point_positions, solve_constraints
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion, grounded_motion_of
+from studio.core.solver.grounding.swing_foot_path import Sole, clear_swing_foot, rounded_ground_height
 from studio.core.solver.request import AdaptRequest
-from studio.core.solver.standing.stand import GroundedMotion, grounded_motion_of, stand
-from studio.core.solver.standing.swing_foot_path import Sole, clear_swing_foot, worn_height
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
 from studio.resources_folder import example_captures_folder
@@ -87,7 +87,7 @@ def test_what_stands_or_is_clear_stays_as_it_is(seed: int, stands: np.ndarray) -
     assert np.array_equal(foot.toes[stands & 2 != 0], toes[stands & 2 != 0])
     clear = _points(ankles, foot.feet, toes).min(axis=1) > kernel.SWING_CLEARANCE * SOLE[0, 3]
     assert np.array_equal(foot.ankles[clear], ankles[clear])
-    around = 2 * round(kernel.TOE_BEND_LEAD * RATE)  # toes bend before they must
+    around = 2 * round(kernel.TOE_BEND_LEAD_SECONDS * RATE)  # toes bend before they must
     long = np.lib.stride_tricks.sliding_window_view(np.pad(clear, around, constant_values=True), 2 * around + 1).all(1)
     assert np.array_equal(foot.toes[long], toes[long])
     assert (foot.ankles[:, 2] >= ankles[:, 2]).all()
@@ -177,7 +177,7 @@ class _Step:
 
     def depth(self, foot: Sole) -> float:
         points = Sole.of(foot.ankles, foot.feet, foot.toes, SOLE).points[self.states == 0]
-        return float((worn_height(self.ground, points) - points[..., 2]).max())
+        return float((rounded_ground_height(self.ground, points) - points[..., 2]).max())
 
 
 @pytest.mark.parametrize("rise", [0.17, 0.10, -0.10, -0.17])
@@ -207,7 +207,7 @@ def test_what_is_clear_is_the_same_foot(ground: Slope | Bumps) -> None:
 def test_an_edge_is_worn_by_half_a_centimetre() -> None:
     steps = Steps(0.0, 0.17, 0.30, 1)
     places = np.array([[-0.01, 0.0], [0.004, 0.2], [0.006, 0.4]])
-    assert worn_height(steps, places).tolist() == [0.0, 0.0, pytest.approx(0.17)]
+    assert rounded_ground_height(steps, places).tolist() == [0.0, 0.0, pytest.approx(0.17)]
 
 
 # A foot in the air where the next clip takes over is lifted over to where it lands.
@@ -241,8 +241,8 @@ def soles(stands: GroundedMotion, side: int) -> np.ndarray:
 def seen(row: Composite, pieces: tuple[MotionPiece, MotionPiece], body: Morphology) -> Seen:
     """Figures of the change of a ``row`` of two pieces."""
     known = body, Ground()
-    stands = stand(row.motion, known[0], row.contacts, known[1])
-    alone = [stand(each.motion, known[0], each.contacts, known[1]) for each in pieces]
+    stands = ground_motion(row.motion, known[0], row.contacts, known[1])
+    alone = [ground_motion(each.motion, known[0], each.contacts, known[1]) for each in pieces]
     rate, first = stands.motion.frame_rate, row.motion.changes[0].first
     frames = np.arange(first - 1, min(first + round(AFTER * rate), row.motion.frame_count))
     own = np.rint(row.played[1].motion_frames(frames, row.timing)).astype(int).clip(0, pieces[1].motion.frame_count - 1)
@@ -307,7 +307,7 @@ def test_a_foot_in_the_air_at_the_end_of_a_captured_walk_or_fight_steps_into_a_s
     pair = before, cut(after, first=begin, last=min(begin + 120, after.last), start=before.end)
     row = compose_pieces(pair)
     found = seen(row, pair, body)
-    adapted = solve_constraints(stand(row.motion, body, row.contacts, Ground()), ())
+    adapted = solve_constraints(ground_motion(row.motion, body, row.contacts, Ground()), ())
     assert contact_quality(adapted, adapted.contacts, Ground()).slide < 2e-3
     assert found.skate < SKATE
     assert found.lift > LIFT

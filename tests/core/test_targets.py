@@ -31,18 +31,18 @@ from studio.core.quality.metrics import centre_of_mass, contact_quality
 from studio.core.rotations import angle_between, from_matrix, to_matrix
 from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
 from studio.core.solver.asking.tracks import Track
-from studio.core.solver.performers.awaiting import with_anticipated_targets
-from studio.core.solver.performers.followed_tracks import captured_joint_track, performer_track
-from studio.core.solver.performers.prop_tracks import stage_track, track_in_motion_space
-from studio.core.solver.performers.stage import constraint_for_performer
-from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.stand import stand
-from studio.core.solver.standing.support_polygon import (
+from studio.core.solver.grounding.grounded_motion import ground_motion
+from studio.core.solver.grounding.support_polygon import (
     averaged_polygons,
     standing_mask,
     support_margins,
     support_polygons,
 )
+from studio.core.solver.performers.anticipated_targets import with_anticipated_targets
+from studio.core.solver.performers.followed_tracks import captured_joint_track, performer_track
+from studio.core.solver.performers.prop_tracks import stage_track, track_in_motion_space
+from studio.core.solver.performers.stage import constraint_for_performer
+from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
 from studio.io.project.character_file import bundled_characters
@@ -289,7 +289,7 @@ def test_a_tracked_joint_is_where_the_capture_has_it_in_the_space_of_the_motion(
     track = captured_joint_track(FollowTracked("LeftHand"), capture)
     own = adapt(AdaptRequest(motion, actor.morphology))
     assert track.positions.shape == (capture.frame_count, 3)
-    source = solve_constraints(stand(motion, actor.morphology, (), Ground()), ())
+    source = solve_constraints(ground_motion(motion, actor.morphology, (), Ground()), ())
     wrist = source.positions[:, actor.morphology.layout.wrist_point(0)]
     assert track.positions == pytest.approx(wrist, abs=0.02)  # the body is set on the ground, the capture is not
     assert own.frame_count == len(track.rotations)
@@ -410,7 +410,7 @@ def test_whatever_is_asked_nothing_is_ever_not_a_number(data: st.DataObject) -> 
 def test_over_the_support_the_centre_of_mass_is_within_the_soles_that_stand(body: Morphology) -> None:
     margin = 0.01
     asked = ask(BalanceConstraint, BodyPoint(BodyPart.PELVIS), Chain(0, 0, 0, 1, 1), place=Support(margin))
-    standing = stand(WALK, body, CONTACTS, Ground())
+    standing = ground_motion(WALK, body, CONTACTS, Ground())
     before, adapted = solve_constraints(standing, ()), solve_constraints(standing, (asked,))
     stands = standing_mask(CONTACTS, WALK.frame_count)
     areas, presence = averaged_polygons(support_polygons(before.positions, before.rotations, stands, body), RATE)
@@ -426,7 +426,7 @@ def test_over_the_support_the_centre_of_mass_is_within_the_soles_that_stand(body
 
 @every_body
 def test_who_stands_on_hands_and_knees_is_supported_between_them(body: Morphology) -> None:
-    standing = stand(WALK, body, CONTACTS, Ground())
+    standing = ground_motion(WALK, body, CONTACTS, Ground())
     points = [ContactPoint.LEFT_HAND, ContactPoint.RIGHT_HAND, ContactPoint.LEFT_KNEE, ContactPoint.SEAT]
     contacts = [ContactInterval("walk", point, 10, 20) for point in points]
     areas = support_polygons(standing.positions, standing.rotations, standing_mask(contacts, WALK.frame_count), body)

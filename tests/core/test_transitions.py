@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from studio.core.body.pose import PoseSequence
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch
 from studio.core.grounds.ground import Ground
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.normalized.compose import Composite, compose_pieces
 from studio.core.normalized.layers import PlayedLayer, columns_of, with_layers
 from studio.core.normalized.pieces import MotionPiece
@@ -21,9 +21,9 @@ from studio.core.normalized.resample import ResampledMotion
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import contact_quality, swing_depths
 from studio.core.solver.adapt import solve_constraints
-from studio.core.solver.standing.held_foot import FootPath, HeldFoot, heel_pivot
-from studio.core.solver.standing.inertialisation import Stance, inertialised_from
-from studio.core.solver.standing.stepping import FootFlight, flights_of
+from studio.core.solver.grounding.held_foot import FootPath, HeldFoot, heel_pivot
+from studio.core.solver.grounding.inertialisation import Stance, inertialised_motion
+from studio.core.solver.grounding.stepping import FootFlight, flights_of
 from studio.core.stage.clip import Clip
 from studio.core.stage.layer import Layer, Region
 from studio.core.stage.project import Performer
@@ -137,7 +137,7 @@ def test_who_goes_on_the_other_way_round_turns_there_in_one_way() -> None:
         feet=around @ own.feet,
         toes=around @ own.toes,
     )
-    pelvis = inertialised_from(stands, first, seen).rotations[first - 1 :, 0]
+    pelvis = inertialised_motion(stands, first, seen).rotations[first - 1 :, 0]
     steps = Rotation.from_matrix(pelvis[1:] @ np.swapaxes(pelvis[:-1], 1, 2)).magnitude()
     assert steps.max() * stands.motion.frame_rate < 4.0 * np.pi
 
@@ -257,7 +257,7 @@ def test_a_foot_in_the_air_lands_on_the_short_stances_of_a_run_too() -> None:
 
 
 every_region = pytest.mark.parametrize("region", Region)
-WIDTH = at.SPINE + 12
+WIDTH = channel.SPINE + 12
 
 
 def over(piece: MotionPiece, region: Region = Region.UPPER_BODY, **changes: object) -> PlayedLayer:
@@ -332,7 +332,7 @@ def test_what_is_added_twice_as_much_goes_twice_as_far() -> None:
     ways = []
     for weight in (0.25, 0.5):
         channels = row_with(over(piece, Region.WHOLE, weight=weight, additive=True, fades=(0.2, 0.2))).motion.channels
-        ways.append(channels[:, at.HIPS : at.YAW + 1] - plain[:, at.HIPS : at.YAW + 1])
+        ways.append(channels[:, channel.HIPS : channel.YAW + 1] - plain[:, channel.HIPS : channel.YAW + 1])
     np.testing.assert_allclose(ways[1], 2.0 * ways[0], atol=1e-9)
     assert np.abs(ways[0]).max() > 1e-3
 

@@ -17,7 +17,7 @@ from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.scope import Scope
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import adapt_performers
+from studio.core.solver.performers.staged_performances import adapt_performers
 from studio.core.stage.project import GROUND_ID
 from studio.document.document import Document
 from studio.engine.frames import EDITED_FRAME_BUDGET_SECONDS, PIECE_FRAMES

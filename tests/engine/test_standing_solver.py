@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from studio.core.grounds.ground import Ground
+from studio.core.solver.grounding import grounded_motion
 from studio.core.solver.request import AdaptRequest
-from studio.core.solver.standing import stand
 from studio.engine.standing_solver import MAX_CACHED_GROUNDINGS, GroundingSolver
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_constraint
@@ -22,13 +22,13 @@ FRAME = 30
 @pytest.fixture
 def stood(monkeypatch: pytest.MonkeyPatch) -> list[AdaptRequest]:
     """The requests for which a body was set on the ground."""
-    requests, whole = list[AdaptRequest](), stand.grounded_motion_of
+    requests, whole = list[AdaptRequest](), grounded_motion.grounded_motion_of
 
     def noted(request: AdaptRequest, *windows: Any) -> Any:
         requests.append(request)
         return whole(request, *windows)
 
-    monkeypatch.setattr(stand, "grounded_motion_of", noted)
+    monkeypatch.setattr(grounded_motion, "grounded_motion_of", noted)
     return requests
 
 

@@ -6,7 +6,7 @@ import pytest
 from PySide6.QtCore import QPoint, QPointF
 
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import adapt_performers
+from studio.core.solver.performers.staged_performances import adapt_performers
 from studio.core.stage.layer import Layer, Region
 from studio.document import clip_edits
 from studio.engine.body_request import body_request_of

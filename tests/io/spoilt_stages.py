@@ -18,7 +18,7 @@ from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.errors import StudioError
 from studio.core.grounds.slope import Slope
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import adapt_performers
+from studio.core.solver.performers.staged_performances import adapt_performers
 from studio.core.stage.behaviour import Behaviour, Role
 from studio.core.stage.clip import Clip
 from studio.core.stage.correction import PoseOffsets

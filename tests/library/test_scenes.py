@@ -14,7 +14,12 @@ from studio.core.grounds.ground import Ground
 from studio.core.mesh.skin import skin_vertices
 from studio.core.quality.metrics import acceleration_ratio, contact_quality
 from studio.core.solver.adapt import adapt, body_point_positions
-from studio.core.solver.performers.performing import Performance, Prepare, StagedPerformances, adapt_performers
+from studio.core.solver.performers.staged_performances import (
+    Performance,
+    PrepareCapture,
+    StagedPerformances,
+    adapt_performers,
+)
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
 from studio.io.project.character_file import bundled_characters
@@ -42,7 +47,7 @@ def staged(scene: Project) -> StagedPerformances:
     return adapt_performers(scene, scene.performers, prepared_capture, adapt)
 
 
-def prepared_already(scene: Project) -> Prepare:
+def prepared_already(scene: Project) -> PrepareCapture:
     """Captures whose motions are known."""
     known = {id(each): prepared_capture(each) for each in scene.captures.values()}
     return lambda capture: known[id(capture)]

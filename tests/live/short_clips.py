@@ -9,7 +9,7 @@ from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.curves.retiming import FASTEST_CLIP_SPEED, SLOWEST_CLIP_SPEED
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import adapt_performers
+from studio.core.solver.performers.staged_performances import adapt_performers
 from studio.core.stage.clip import Clip
 from studio.core.stage.layer import Layer, Region
 from studio.core.stage.project import Performer, Project

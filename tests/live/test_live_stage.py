@@ -18,7 +18,7 @@ from studio.core.grounds.slope import Slope
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import adapt, body_point_positions
-from studio.core.solver.performers.performing import adapt_performers
+from studio.core.solver.performers.staged_performances import adapt_performers
 from studio.core.stage.behaviour import Behaviour, Role, State, Transition
 from studio.core.stage.behaviour_target import FollowPartner
 from studio.core.stage.clip import Clip

@@ -9,7 +9,7 @@ from studio.core.constraints.scope import Scope
 from studio.core.curves.keyed import KeyedPlace
 from studio.core.quality.metrics import contact_quality
 from studio.core.solver.adapt import adapt
-from studio.core.solver.performers.performing import adapt_performers, motion_of
+from studio.core.solver.performers.staged_performances import adapt_performers, motion_of
 from studio.core.stage.project import Project, new_id
 from studio.library.scenes.sparring import PUNCH_KEYS
 from studio.live.playing_stage import LiveStage

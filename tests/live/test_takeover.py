@@ -11,9 +11,9 @@ from studio.core.grounds.slope import Slope
 from studio.core.kernels.support.sole import HEEL_STANDS, TOE_STANDS
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.runs import runs_of
-from studio.core.solver.standing.held_foot import heel_pivot
-from studio.core.solver.standing.stepping import flights_of
-from studio.core.solver.standing.swing_foot_path import Sole
+from studio.core.solver.grounding.held_foot import heel_pivot
+from studio.core.solver.grounding.stepping import flights_of
+from studio.core.solver.grounding.swing_foot_path import Sole
 from studio.core.stage.clip import Clip
 from studio.core.stage.project import GROUND_ID
 from studio.library.scenes.stagehand import source_motions

@@ -17,9 +17,9 @@ from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio, contact_quality, swing_depths
 from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
 from studio.core.solver.asking.tracks import Track
+from studio.core.solver.grounding.grounded_motion import ground_motion
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
-from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.core.motions import target
@@ -170,7 +170,7 @@ def test_bones_keep_their_lengths_while_hands_and_knees_carry(captures: Path) ->
 def test_constraints_yield_to_hands_and_knees_and_scrubbing_is_playing(captures: Path) -> None:
     capture, motion, _ = taken(named("accad_female1_A11_CrawlForward"))
     contacts = contacts_of(capture)
-    standing = stand(motion, BODIES["adult_woman"], contacts, Ground())
+    standing = ground_motion(motion, BODIES["adult_woman"], contacts, Ground())
     chest = BodyPoint(BodyPart.THORAX, at_end=True)
     place = body_point_positions(chest, solve_constraints(standing, ()))[270] + [0.0, 0.0, 0.12]
     curve = ActivationCurve(8.0, 9.0, 11.0, 12.0)
@@ -190,7 +190,7 @@ def test_constraints_yield_to_hands_and_knees_and_scrubbing_is_playing(captures:
 def test_nothing_that_is_asked_elsewhere_moves_what_stands(stem: str, name: str) -> None:
     capture, motion, _ = taken(named(stem))
     contacts = contacts_of(capture)
-    standing = stand(motion, BODIES[name], contacts, Ground())
+    standing = ground_motion(motion, BODIES[name], contacts, Ground())
     unsolved = solve_constraints(standing, ())
     for seed in range(6):
         random = np.random.default_rng(seed)
@@ -206,7 +206,7 @@ def test_nothing_that_is_asked_elsewhere_moves_what_stands(stem: str, name: str)
 
 def test_the_head_of_who_crawls_goes_aside_beside_hands_knees_and_toes_that_stand(captures: Path) -> None:
     capture, motion, _ = taken(named("accad_female1_A11_CrawlForward"))
-    standing = stand(motion, BODIES["adult_woman"], contacts_of(capture), Ground())
+    standing = ground_motion(motion, BODIES["adult_woman"], contacts_of(capture), Ground())
     head, aside = BodyPoint(BodyPart.HEAD, at_end=True), FollowTracked("aside")
     places = body_point_positions(head, solve_constraints(standing, ())) + np.array([0.0, 0.05, 0.025])
     for chain in (Chain(trunk=1.0), Chain(trunk=1.0, root=1.0)):

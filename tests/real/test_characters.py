@@ -13,9 +13,9 @@ from studio.core.mesh.skin import Blending, bound_pose, skin_vertices
 from studio.core.quality.metrics import acceleration_ratio, contact_quality
 from studio.core.quality.motion_quality import motion_quality
 from studio.core.solver.adapt import adapt
+from studio.core.solver.grounding.contact_settling import LEAST_LEG_REACH
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
-from studio.core.solver.standing.settling import LEAST_LEG_REACH
 from studio.io.export import take_of_adapted, write_take
 from studio.io.importing import load_character
 from studio.io.registry import ReadCharacter

@@ -17,9 +17,9 @@ from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import solve_constraints
 from studio.core.solver.asking.clearance import arm_distances
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.source import source_motion
-from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken
@@ -38,7 +38,7 @@ def _standing(stem: str, name: str) -> tuple[GroundedMotion, AdaptedMotion]:
     """A motion on a character, and the source."""
     capture, motion, actor = taken(named(stem))
     body, source = bundled_characters()[name], source_motion(motion, actor).frames(capture.first_frame, 10**6)
-    return stand(motion, body.morphology, contacts_of(capture), Ground(), body.volume, actor.morphology), source
+    return ground_motion(motion, body.morphology, contacts_of(capture), Ground(), body.volume, actor.morphology), source
 
 
 def _cleared(stem: str, name: str) -> tuple[AdaptedMotion, AdaptedMotion, AdaptedMotion]:

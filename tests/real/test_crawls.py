@@ -15,9 +15,9 @@ from studio.core.grounds.ground import Ground
 from studio.core.normalized.normalize import capture_contacts, normalize_capture
 from studio.core.quality.motion_quality import COMMON_LEG_METRES, limb_elevations, motion_quality
 from studio.core.solver.adapt import adapt
+from studio.core.solver.grounding.grounded_motion import grounded_motion_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.source import source_motion
-from studio.core.solver.standing.stand import grounded_motion_of
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
 from tests.captures import capture_file, outside

@@ -14,8 +14,8 @@ from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration, contact_quality
 from studio.core.solver.adapt import body_point_positions, solve_constraints
 from studio.core.solver.asking.tracks import Track, Tracks
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.core.motions import ALWAYS, local_rotations
@@ -98,7 +98,7 @@ def _peak(adapted: AdaptedMotion) -> float:
 def test_no_joint_jolts_and_no_foot_slides(stem: str, body: str) -> None:
     capture, motion, _ = taken(named(stem))
     contacts = contacts_of(capture)
-    standing: GroundedMotion = stand(motion, BODIES[body], contacts, Ground())
+    standing: GroundedMotion = ground_motion(motion, BODIES[body], contacts, Ground())
     window = capture.first_frame, capture.first_frame + LONGEST - 1
     before, source = solve_constraints(standing, (), *window), _peak(solve_constraints(standing, ()))
     for name, (wishes, tracks) in _sets(standing, before).items():
@@ -124,7 +124,7 @@ def test_no_joint_jolts_and_no_foot_slides(stem: str, body: str) -> None:
 def test_hands_and_knees_stand_no_worse_for_being_eased(stem: str, body: str) -> None:
     capture, motion, _ = taken(named(stem))
     contacts = contacts_of(capture)
-    standing = stand(motion, BODIES[body], contacts, Ground())
+    standing = ground_motion(motion, BODIES[body], contacts, Ground())
     before, head = solve_constraints(standing, ()), BodyPoint(BodyPart.HEAD, at_end=True)
     place = tuple(body_point_positions(head, before)[before.frame_count // 2] + [0.0, 0.3, 0.2])
     wrist = BodyPoint(WRISTS[0], at_end=True)

@@ -18,8 +18,8 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import solve_constraints
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.stand import GroundedMotion, stand
 from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.core.motions import ALWAYS
@@ -34,7 +34,7 @@ WRISTS = BodyPart.LEFT_FOREARM, BodyPart.RIGHT_FOREARM
 @lru_cache(maxsize=1)
 def _standing(stem: str, name: str, limited: bool) -> tuple[GroundedMotion, AdaptedMotion]:
     capture, motion, _ = taken(named(stem))
-    standing = stand(motion, BODIES[name], contacts_of(capture), Ground(), limited=limited)
+    standing = ground_motion(motion, BODIES[name], contacts_of(capture), Ground(), limited=limited)
     return standing, solve_constraints(standing, (), capture.first_frame, capture.first_frame + 599)
 
 

@@ -9,9 +9,9 @@ import pytest
 from studio.core.compact_array import CompactArray
 from studio.core.grounds import Bumps, Slope, Steps
 from studio.core.grounds.ground import Ground
+from studio.core.solver.grounding.grounded_motion import grounded_motion_of
+from studio.core.solver.grounding.moved_ground import moved_to_height
 from studio.core.solver.request import AdaptRequest
-from studio.core.solver.standing.lifted import lifted
-from studio.core.solver.standing.stand import grounded_motion_of
 from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken
@@ -32,7 +32,7 @@ def test_a_body_on_a_ground_that_is_raised_stands_as_if_set_on_it_there(stem: st
     capture, motion, actor = taken(named(stem))
     request = AdaptRequest(motion, GIANT, contacts_of(capture), (), ground, actor=actor.morphology, clears=True)
     there = grounded_motion_of(replace(request, ground=ground.at_height(-0.35)))
-    assert_alike(lifted(grounded_motion_of(request), -0.35), there)
+    assert_alike(moved_to_height(grounded_motion_of(request), -0.35), there)
 
 
 def assert_alike(one: Any, other: Any) -> None:

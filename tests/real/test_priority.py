@@ -16,8 +16,8 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.grounds.ground import Ground
 from studio.core.rotations import from_matrix
 from studio.core.solver.adapt import body_point_positions, solve_constraints
+from studio.core.solver.grounding.grounded_motion import ground_motion
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.core.motions import ALWAYS
@@ -120,7 +120,7 @@ def _drawn(before: AdaptedMotion, random: np.random.Generator) -> tuple[list[Con
 def test_whatever_is_added_below_changes_nothing_of_what_stands_above(part: int, stem: str, name: str) -> None:
     capture, motion, actor = taken(named(stem))
     body, contacts = BODIES[name], contacts_of(capture)
-    standing = stand(motion, body.morphology, contacts, Ground(), body.volume, actor.morphology)
+    standing = ground_motion(motion, body.morphology, contacts, Ground(), body.volume, actor.morphology)
     for seed in range(part, SETS, PARTED):
         random = np.random.default_rng([seed, *name.encode()])
         frame = int(random.integers(capture.first_frame, motion.frame_count))
@@ -143,7 +143,7 @@ def test_nor_in_moments_that_are_eased_in_time(seed: int, stem: str, name: str) 
     """But for one in some thousand, where arms are kept clear on the edge of an activation, eased or not."""
     capture, motion, actor = taken(named(stem))
     body, contacts = BODIES[name], contacts_of(capture)
-    standing = stand(motion, body.morphology, contacts, Ground(), body.volume, actor.morphology)
+    standing = ground_motion(motion, body.morphology, contacts, Ground(), body.volume, actor.morphology)
     random = np.random.default_rng([seed, *stem.encode(), *name.encode()])
     frame = int(random.integers(capture.first_frame, motion.frame_count))
     wishes, levels = _drawn(solve_constraints(standing, (), frame, frame), random)

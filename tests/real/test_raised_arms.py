@@ -6,10 +6,10 @@ import pytest
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio
 from studio.core.solver.adapt import adapt
+from studio.core.solver.grounding.grounded_motion import grounded_motion_of
+from studio.core.solver.grounding.raised_arms import raise_arms
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
-from studio.core.solver.standing.raised_arms import raise_arms
-from studio.core.solver.standing.stand import grounded_motion_of
 from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken

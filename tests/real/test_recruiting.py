@@ -11,8 +11,8 @@ from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio, contact_quality
 from studio.core.quality.motion_quality import motion_quality
 from studio.core.solver.adapt import solve_constraints
+from studio.core.solver.grounding.grounded_motion import ground_motion
 from studio.core.solver.source import source_motion
-from studio.core.solver.standing.stand import stand
 from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.core.motions import ALWAYS
@@ -31,7 +31,7 @@ WHOLE = Chain(limb=0.0, clavicle=0.0, trunk=1.0, root=1.0, free_arms=1.0, free_l
 def test_free_limbs_help_to_balance(stem: str, name: str) -> None:
     capture, motion, _ = taken(named(stem))
     contacts = contacts_of(capture)
-    standing = stand(motion, BODIES[name], contacts, Ground())
+    standing = ground_motion(motion, BODIES[name], contacts, Ground())
     first = capture.first_frame
     for chain in (WHOLE, ALONE):  # limbs alone are thrown out for much that is out of reach
         wish = BalanceConstraint("motion", "Balance", BodyPoint(BodyPart.PELVIS), chain, 0, ALWAYS, place=Support())
@@ -53,7 +53,7 @@ def test_a_reach_with_balance_lets_no_joint_jump(stem: str, name: str, side: str
         PositionConstraint("motion", "Wrist", wrist, reach, 0, ALWAYS, target=(0.75, -0.2, 1.0)),
         BalanceConstraint("motion", "Balance", BodyPoint(BodyPart.PELVIS), WHOLE, 0, ALWAYS, place=Support()),
     )
-    solved = solve_constraints(stand(motion, BODIES[name], contacts, Ground()), wishes, eased=True)
+    solved = solve_constraints(ground_motion(motion, BODIES[name], contacts, Ground()), wishes, eased=True)
     found = motion_quality(solved, source_motion(motion, actor), contacts, Ground(), capture.first_frame)
     assert found.jump < 2.0
     assert found.peak < 3.0
@@ -71,7 +71,7 @@ def test_a_level_that_is_given_up_lets_the_hips_down_by_degrees(stem: str, prior
             "motion", "Balance", BodyPoint(BodyPart.PELVIS), WHOLE, priorities[1], ALWAYS, place=Support()
         ),
     )
-    standing = stand(motion, BODIES["stocky_man"], contacts_of(capture), Ground())
+    standing = ground_motion(motion, BODIES["stocky_man"], contacts_of(capture), Ground())
     solved = solve_constraints(standing, wishes, eased=True)
     steps = np.abs(np.diff(solved.positions[:, 0, 2]))
     assert steps.max() < 0.05

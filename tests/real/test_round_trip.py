@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.normalized.realize import realize_motion
 from studio.core.normalized.round_trip import round_trip
 from tests.builders import make_morphology
@@ -47,7 +47,7 @@ def test_single_precision_is_enough_to_store_it(stem: str) -> None:
     _, motion, actor = taken(named(stem))
     rounded = replace(motion, channels=motion.channels.astype(np.float32))
     apart = realize_motion(rounded, actor.morphology)[0] - realize_motion(motion, actor.morphology)[0]
-    far = 1.0 + np.abs(motion.channels[:, at.HIPS : at.HIPS + 2]).max()
+    far = 1.0 + np.abs(motion.channels[:, channel.HIPS : channel.HIPS + 2]).max()
     assert np.linalg.norm(apart, axis=-1).max() < 1e-4 * far
 
 

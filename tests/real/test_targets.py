@@ -14,10 +14,10 @@ from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio, centre_of_mass, contact_quality
 from studio.core.quality.report import report_of
 from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
+from studio.core.solver.grounding.grounded_motion import ground_motion, grounded_motion_of
 from studio.core.solver.performers.followed_tracks import captured_joint_track
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
-from studio.core.solver.standing.stand import grounded_motion_of, stand
 from tests.captures import outside
 from tests.core.motions import ALWAYS
 from tests.real.taken import contacts_of, named, taken
@@ -72,7 +72,7 @@ def test_over_the_support_the_mass_moves_as_smoothly_as_in_the_motion(stem: str)
     capture, motion, _ = taken(named(stem))
     balance = BalanceConstraint("m", "Balance", BodyPoint(BodyPart.PELVIS), WHOLE, 0, ALWAYS, place=Support())
     for body in BODIES.values():
-        standing = stand(motion, body, contacts_of(capture), Ground())
+        standing = ground_motion(motion, body, contacts_of(capture), Ground())
         paths = [centre_of_mass(solve_constraints(standing, asked, capture.first_frame)) for asked in ((), (balance,))]
         jerks = [np.linalg.norm(np.diff(path[:, :2], n=2, axis=0), axis=1).max() for path in paths]
         assert jerks[1] < 2.0 * jerks[0]

@@ -27,8 +27,8 @@ from studio.core.normalized.realize import realize_motion
 from studio.core.normalized.round_trip import round_trip
 from studio.core.quality.report import report_of
 from studio.core.solver.adapt import adapt
+from studio.core.solver.grounding.grounded_motion import grounded_motion_of
 from studio.core.solver.request import AdaptRequest
-from studio.core.solver.standing.stand import grounded_motion_of
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
 from studio.library.catalogue import Catalogue

@@ -38,7 +38,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
-from studio.core.kernels.limits.limb_joint_limits import LIMB_LIMITS, SWIVEL_SOFT_LIMIT
+from studio.core.kernels.limits.limb_joint_limits import LIMB_LIMITS, SWIVEL_SOFT_LIMIT_FRACTION
 from studio.core.rotations import frame_along, normalized
 
 FloatArray = NDArray[np.float64]
@@ -111,7 +111,7 @@ def _write(row: np.void, joint: int, ball: BallLimit, side: int, carrier: FloatA
         radii = radii[[0, 1, 3, 2]] if own is HINGE_MIRROR else radii[[1, 0, 2, 3]]
     twist = _range(ball.twist, side)
     row["axes"][joint], row["radii"][joint], row["twists"][joint] = axes, radii, twist
-    well, middle = np.cos(SWIVEL_SOFT_LIMIT * np.array([radii.min(), twist[1]])), twist[0]
+    well, middle = np.cos(SWIVEL_SOFT_LIMIT_FRACTION * np.array([radii.min(), twist[1]])), twist[0]
     row["inner_cosines"][joint] = [*well, np.cos(middle), np.sin(middle)]
 
 

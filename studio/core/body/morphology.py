@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout
-from studio.core.kernels import layout as at
+from studio.core.kernels import measure_columns as measure
 from studio.core.plausible import BONE_RANGE
 from studio.core.rotations import unit_vectors
 
@@ -119,7 +119,7 @@ class Morphology:
 
     @cached_property
     def packed(self) -> FloatArray:
-        """All measures in one row for the kernels, in the columns of ``kernels.layout``."""
+        """All measures in one row for the kernels, in the columns of ``kernels.measure_columns``."""
         row = np.concatenate([np.ravel(getattr(self, name)) for name in (*_SHAPES, "spine")])
         row.setflags(write=False)
         return row
@@ -168,15 +168,15 @@ class AnimatedMorphology:
 
     def __post_init__(self) -> None:
         rows = np.array(self.rows, dtype=np.float64)
-        if rows.ndim != 2 or not len(rows) or rows.shape[1] < at.MEASURE_SPINE + 6 or rows.shape[1] % 3:
+        if rows.ndim != 2 or not len(rows) or rows.shape[1] < measure.SPINE + 6 or rows.shape[1] % 3:
             raise ValueError(f"rows: expected a row of measures a frame, got {rows.shape}.")
         if not np.isfinite(rows).all():
             raise ValueError("rows: holds a number that is not finite.")
         lengths = (
-            at.MEASURE_NECK,
-            at.MEASURE_HEAD,
-            *range(at.MEASURE_CLAVICLE, at.MEASURE_HAND),
-            *range(at.MEASURE_LEG, at.MEASURE_FOOT),
+            measure.NECK,
+            measure.HEAD,
+            *range(measure.CLAVICLE, measure.HAND),
+            *range(measure.LEG, measure.FOOT),
         )
         if (rows[:, lengths] <= 0.0).any():
             frame = int(np.argmax((rows[:, lengths] <= 0.0).any(axis=1)))
@@ -195,7 +195,7 @@ class AnimatedMorphology:
 
     @cached_property
     def layout(self) -> BodyLayout:
-        return BodyLayout((self.rows.shape[1] - at.MEASURE_SPINE) // 3)
+        return BodyLayout((self.rows.shape[1] - measure.SPINE) // 3)
 
     @cached_property
     def first_frame_body(self) -> Morphology:
@@ -215,12 +215,12 @@ class AnimatedMorphology:
         """Vectors (K, 3) of the spine in the first frame; their proportions distribute the motion's rotations over the
         vertebrae.
         """
-        return self.rows[0, at.MEASURE_SPINE :].reshape(-1, 3)
+        return self.rows[0, measure.SPINE :].reshape(-1, 3)
 
     @property
     def leg_length(self) -> float:
         """Mean length of both legs from hip to ankle, over all frames."""
-        return float(self.rows[:, at.MEASURE_LEG : at.MEASURE_FOOT].sum(axis=1).mean() / 2)
+        return float(self.rows[:, measure.LEG : measure.FOOT].sum(axis=1).mean() / 2)
 
 
 AnyMorphology = Morphology | AnimatedMorphology
@@ -233,20 +233,20 @@ def sole_rows(body: AnyMorphology, side: int) -> FloatArray:
     Columns: vector from ankle to toe joint in foot axes (3), height of the ankle above the sole, distance of the heel
     behind the ankle, length of the toe along the ground.
     """
-    rows, foot, toe = body.rows, at.MEASURE_FOOT + 3 * side, at.MEASURE_TOE + 3 * side
-    heights = rows[:, [at.MEASURE_ANKLE_HEIGHT + side, at.MEASURE_HEEL_LENGTH + side]]
+    rows, foot, toe = body.rows, measure.FOOT + 3 * side, measure.TOE + 3 * side
+    heights = rows[:, [measure.ANKLE_HEIGHT + side, measure.HEEL_LENGTH + side]]
     toes = np.hypot(rows[:, toe], rows[:, toe + 1])
     return np.ascontiguousarray(np.column_stack([rows[:, foot : foot + 3], heights, toes]))
 
 
 def arm_rows(body: AnyMorphology, side: int) -> FloatArray:
     """Lengths (F or 1, 2) in metres of upper arm and forearm."""
-    return body.rows[:, at.MEASURE_ARM + 2 * side : at.MEASURE_ARM + 2 * side + 2]
+    return body.rows[:, measure.ARM + 2 * side : measure.ARM + 2 * side + 2]
 
 
 def leg_rows(body: AnyMorphology, side: int) -> FloatArray:
     """Lengths (F or 1, 2) in metres of thigh and shank."""
-    return body.rows[:, at.MEASURE_LEG + 2 * side : at.MEASURE_LEG + 2 * side + 2]
+    return body.rows[:, measure.LEG + 2 * side : measure.LEG + 2 * side + 2]
 
 
 def at_frames(rows: FloatArray, frames: Any) -> FloatArray:

@@ -6,10 +6,13 @@ likewise for segments. Limbs 0 and 1 are arms, 2 and 3 legs.
 """
 
 POINTS_BESIDE_SPINE = 23
+"""Number of points of a body without the K of its spine."""
 SEGMENTS_BESIDE_SPINE = 18
+"""Number of segments of a body without the K of its spine."""
 POINTS_PER_LIMB = 5
-"""Collar or hip, and the points beyond, on each side."""
+"""Number of points of one side's arm or leg: collar or hip, and the points beyond."""
 SEGMENTS_PER_LIMB = 4
+"""Number of segments of one side's arm with its clavicle, or leg."""
 
 COLLAR_POINT = 3
 SHOULDER_POINT = 4

@@ -1,14 +1,15 @@
-"""Parsing of plain decimal numbers, equal to C's where the result is exact without long arithmetic."""
+"""Parsing of plain decimal numbers, with C's result wherever that needs no long arithmetic."""
 
 import numpy as np
 
 from studio.core.kernels.compiling import kernel
 
 NEW_LINE = 10
-POWERS = np.array([float(10**power) for power in range(23)])
-EXACT = 1 << 53
-"""Integers up to here are exact as floats, and so are powers of ten up to 22: their quotient or product is rounded
-once.
+POWERS_OF_TEN = np.array([float(10**power) for power in range(23)])
+"""Powers of ten from 0 to 22, all exact."""
+MAX_EXACT_INTEGER = 1 << 53
+"""Integer up to which all integers are exact as floats. So are powers of ten up to 22: the quotient or product of both
+is rounded once.
 """
 
 
@@ -20,7 +21,7 @@ def is_space(byte):
 
 @kernel
 def count_words(text, out_counts):
-    """Write the number of words of each line of ``text``, bytes (N,) with line feeds, into ``out_counts`` (L,)."""
+    """Write the number of words of each line of ``text`` (N,), bytes with line feeds, into ``out_counts`` (L,)."""
     line, within = 0, False
     for index in range(text.shape[0]):
         byte = text[index]
@@ -34,10 +35,10 @@ def count_words(text, out_counts):
 
 @kernel
 def read_decimals(text, most, out_values):
-    """Read the numbers of ``text`` (N,) into ``out_values``; True if the text is exactly these numbers.
+    """Read the numbers of ``text`` (N,), bytes, into ``out_values``; True if the text is exactly these numbers.
 
     False for a token that is no plain decimal, has too many digits for an exact conversion (D. W. Clinger, How to read
-    floating point numbers accurately, 1990) or exceeds ``most`` in magnitude, and for another count of tokens.
+    floating point numbers accurately, 1990) or exceeds ``most`` in magnitude, and for another number of tokens.
     """
     index, count, end = 0, 0, text.shape[0]
     while True:
@@ -54,7 +55,9 @@ def read_decimals(text, most, out_values):
 
 @kernel
 def read_decimal(text, index):
-    """Number at ``index`` of ``text`` and the index after it, which is -1 where the result might be inexact."""
+    """(number, index after it) of the decimal at ``index`` of ``text``; the index is -1 if the result might be
+    inexact.
+    """
     negative = text[index] == 45
     index += negative or text[index] == 43
     whole, digits, after, fraction = 0, 0, 0, False
@@ -62,7 +65,7 @@ def read_decimal(text, index):
         byte = text[index]
         if byte == 46 and not fraction:
             fraction = True
-        elif 48 <= byte <= 57 and whole < EXACT // 10:
+        elif 48 <= byte <= 57 and whole < MAX_EXACT_INTEGER // 10:
             whole = 10 * whole + int(byte) - 48
             digits += 1
             after += fraction
@@ -75,13 +78,13 @@ def read_decimal(text, index):
         exponent += tenfold
     if digits == 0 or (0 <= index < text.shape[0] and not is_space(text[index])) or abs(exponent) > 22:
         return 0.0, -1
-    value = whole / POWERS[-exponent] if exponent < 0 else whole * POWERS[exponent]
+    value = whole / POWERS_OF_TEN[-exponent] if exponent < 0 else whole * POWERS_OF_TEN[exponent]
     return (-value if negative else value), index
 
 
 @kernel
 def read_exponent(text, index):
-    """Power of ten at ``index`` of ``text``, of three digits at most, and the index after it; -1 where
+    """(power of ten, index after it) of the exponent at ``index`` of ``text``, three digits at most; the index is -1 if
     there is none.
     """
     negative = index < text.shape[0] and text[index] == 45

@@ -1,10 +1,11 @@
-"""Exact search for the pose and the hit that come nearest, among all frames of a motion library (METHOD (39)).
+"""Exact nearest-neighbour search for a pose and a hit among all frames of a motion library (METHOD (39)).
 
-A pose is a row of 64 float32: 20 joints as √w x (20), √w y (20) about their middle, √w z (20) above the ground, then
-|row|², the middle (2), and a place that is not used. The distance of two poses modulo a turn about Z and a shift is
-D² = |a|² + |b|² - 2 √(A² + B²) - 2 Z with A = Σ w (x x' + y y'), B = Σ w (y x' - x y'), Z = Σ w z z' (Kovar et al.
-2002). It is the least distance over a group of isometries, so it keeps the triangle inequality: a block of frames that
-all lie within r of the one in its middle is no nearer than D - r.
+A pose is a row of 64 float32: 20 joints as √w x (20), √w y (20) relative to their centroid, √w z (20) above the ground,
+then |row|², the centroid (2), and one unused number. The distance of two poses modulo a rotation about Z and a
+horizontal shift is D² = |a|² + |b|² - 2 √(A² + B²) - 2 Z with A = Σ w (x x' + y y'), B = Σ w (y x' - x y'), Z = Σ w z
+z' (Kovar et al. 2002). Since D is the least distance over a group of isometries, it satisfies the triangle inequality:
+every frame of a block whose frames lie within r of its middle frame is at least D - r away, with D the distance of that
+middle frame.
 """
 
 import math
@@ -18,17 +19,19 @@ from studio.core.kernels.records import Array
 POSE_JOINTS, Y, Z, SQUARE, POSE_CENTRE, POSE_WIDTH = 20, 20, 40, 60, 61, 64
 """Number of joints of a pose, and the first columns of the parts of its row."""
 FLOAT32_ERROR = 4e-6
-"""Error of D² in float32, metres squared, and of the numbers of the rotation."""
+"""Greatest error of D² in float32, metres squared, and of the cosine and sine of the rotation."""
 MAX_FLOAT32_HIT_ERROR = 0.05
-"""Greatest error of a hit, metres, by such a rotation for the rotation to be used."""
+"""Greatest error in metres of a hit position from a float32 rotation for which that rotation may reject a frame."""
 COST_COLUMN, POSTURE_COLUMN, REACH_COLUMN, ROTATION_COLUMN = 0, 1, 2, 3
-"""Columns of the results: total cost, both distances (m), and the rotation of the frame onto the query (rad)."""
+"""Columns of ``SearchHits.costs``: total cost, posture and hit distances (m), rotation of the frame onto the query
+(rad).
+"""
 CLIP_COLUMN, FRAME_COLUMN, CONTACT_COLUMN = 0, 1, 2
-"""Columns of the results: clip, row of the frame to play from, row of the path at which it hits."""
+"""Columns of ``SearchHits.places``: clip, first frame to play, and row of the path at which the limb hits."""
 
 
 class FrameTable(NamedTuple):
-    """Data to be searched: F frames of C clips in B blocks."""
+    """Searched motion library: F frames of C clips, grouped into B blocks of consecutive frames."""
 
     rows: Array
     """(F, 64) all poses."""
@@ -39,20 +42,22 @@ class FrameTable(NamedTuple):
     blocks: Array
     """(B, 3) clip, first row and count."""
     middles: Array
-    """(B, 64) the pose in the middle of each block."""
+    """(B, 64) pose of the middle frame of each block."""
     radii: Array
-    """(B,) distances in metres from the middle pose to the farthest frame of each block."""
+    """(B,) pose distance in metres from the middle frame of each block to its farthest frame."""
     rings: Array
-    """(B, 4) bounds of the distance of the hit from the middle of a pose, and of its height."""
+    """(B, 4) bounds, over the frames of each block, of a hit's horizontal distance from the pose's centroid and of its
+    height.
+    """
 
 
 class SearchQuery(NamedTuple):
-    """Query for A actors."""
+    """Query pose, target and weights, for A actors."""
 
     poses: Array
     """(A, 64)."""
     targets: Array
-    """(A, 4, 3) by actor and limb, about the middle of the pose."""
+    """(A, 4, 3) by actor and limb, metres, relative to the centroid of the pose."""
     posture_weight: float
     reach_weight: float
 
@@ -62,7 +67,7 @@ RING_NEAREST, RING_FARTHEST, RING_LOWEST, RING_HIGHEST = range(4)
 
 
 class SearchHits(NamedTuple):
-    """The N clips with the least cost, in order."""
+    """The N clips with the least cost, sorted by cost."""
 
     costs: Array
     """(N, 4), inf where there are no more."""
@@ -72,7 +77,7 @@ class SearchHits(NamedTuple):
 
 @kernel
 def write_block_bounds(blocks, rows, paths, clips, middles, out_radii, out_rings):
-    """Write bounds of each block's frames: ``radii`` and ``rings`` of a ``FrameTable``."""
+    """Write the bounds of each block's frames: ``radii`` and ``rings`` of a ``FrameTable``."""
     for block in range(blocks.shape[0]):
         start, count = clips[blocks[block, 0], 2], clips[blocks[block, 0], 3]
         widest, ring = 0.0, out_rings[block]
@@ -136,8 +141,8 @@ def rotated_distance_terms(query, pose):
 
 @small_kernel
 def distance_to_ring(target, ring):
-    """Distance in metres from ``target`` (3,) to the ``ring`` of a path, all positions to which rotations about the
-    vertical bring it.
+    """Distance in metres from ``target`` (3,) to a ``ring``: all positions that a path reaches by rotation about the
+    vertical.
     """
     across = math.sqrt(target[0] * target[0] + target[1] * target[1])
     beside = max(ring[RING_NEAREST] - across, across - ring[RING_FARTHEST], 0.0)
@@ -147,9 +152,9 @@ def distance_to_ring(target, ring):
 
 @kernel
 def search_blocks(first, bounds, table, query, found):
-    """Write the best frame of each of the clips with the least cost into ``found``.
+    """Write the best frame of each of the N clips with the least cost into ``found``, a ``SearchHits`` record.
 
-    ``first`` (n,) blocks to begin with; their ``bounds`` (B,) become inf.
+    Blocks ``first`` (n,) are searched before the others, and their ``bounds`` (B,) are set to inf.
     """
     last = found.costs.shape[0] - 1
     for n in range(last + 1):
@@ -169,7 +174,7 @@ def search_blocks(first, bounds, table, query, found):
 
 @kernel
 def search_block(block, table, query, found):
-    """Insert the frames of one block into the results."""
+    """Insert the frames of one block into the results ``found`` if their cost is low enough."""
     costs, rows, last = found.costs, table.rows, found.costs.shape[0] - 1
     clip, begin = table.blocks[block, 0], table.blocks[block, 1]
     actor, limb, path = table.clips[clip, 0], table.clips[clip, 1], table.clips[clip, 2]
@@ -198,7 +203,7 @@ def search_block(block, table, query, found):
 
 @small_kernel
 def pose_distance(query, pose):
-    """D², and the rotation about Z (rad) of ``pose`` (64,) that brings it nearest to ``query`` (64,)."""
+    """Squared distance D², and the rotation about Z (rad) that brings ``pose`` (64,) nearest to ``query`` (64,)."""
     a, b, rest = 0.0, 0.0, 0.0
     for k in range(POSE_JOINTS):
         x, y, z = np.float64(pose[k]), np.float64(pose[Y + k]), np.float64(pose[Z + k])
@@ -228,7 +233,7 @@ def hit_distance(pose, facing, target, paths, start, count):
 
 @kernel
 def insert_hit(costs, index, found):
-    """Insert a frame in order of cost, at most one per clip, and drop the last."""
+    """Insert a frame into the hits sorted by cost, at most one per clip, and drop the hit with the greatest cost."""
     row = found.costs.shape[0] - 1
     for n in range(found.costs.shape[0]):
         if found.places[n, CLIP_COLUMN] == index[CLIP_COLUMN]:

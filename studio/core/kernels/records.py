@@ -2,7 +2,8 @@
 
 C constraints on a body of S segments and P points; N joints in the search (``kernels.search.joints``), L levels of
 priority, R rows of the Jacobian, Q self-collision constraints, F frames. A kernel receives a record packed, as one
-address (``kernels.compiling``), and reads its fields by name.
+address (``kernels.compiling``), and reads its fields by name. A level is a group of tasks of one priority, 0 the
+highest.
 """
 
 from typing import Any, NamedTuple
@@ -28,46 +29,48 @@ class LimbShape(NamedTuple):
     bones: tuple[float, float]
     """Metres, upper and lower."""
     reach: float
-    """Metres from its root to its end."""
+    """Distance in metres from its root to its end."""
     off_plane: float
-    """Offset in metres of elbow or knee from the plane, along x."""
+    """Offset in metres of elbow or knee along x, out of the plane in which the limb bends."""
     bend: float
-    """Sign of the side, along y, to which it bends."""
+    """Sign of y on the side to which elbow or knee bends."""
     twists: tuple[float, float]
-    """Rotations in radians of both bones about themselves."""
+    """Rotations in radians of upper and lower bone about themselves."""
 
 
 class MotionArrays(NamedTuple):
-    """All frames: unsolved poses (``start``) and solved poses."""
+    """Poses of all frames: the unsolved ones (``start``) and the solved ones."""
 
     start_positions: Array
     """(F, P, 3) metres."""
     start_rotations: Array
     """(F, S, 3, 3) in the world."""
     positions: Array
+    """(F, P, 3) metres, solved."""
     rotations: Array
+    """(F, S, 3, 3) in the world, solved."""
 
 
 class JointWeights(NamedTuple):
     """Joints of the search, and their weights (the diagonal of the inverse metric) for each task."""
 
     weights: Array
-    """(C + L, N) of each task, then of each level with all above it."""
+    """(C + L, N) joint weights of each task, then of each level together with all levels above it."""
     joints: Array
     """(N,) records of ``SEARCH_JOINT``."""
     joint_of_segment: Array
-    """(S + 1,) joint of each segment, of the root last; -1 none."""
+    """(S + 1,) index of the joint of each segment, then that of the root's translation; -1 for none."""
     limits: Array
-    """(N,) greatest length of each joint's Gibbs vector."""
+    """(N,) greatest length of each joint's Gibbs vector, the tangent of half the greatest angle."""
 
 
 class LegTargets(NamedTuple):
-    """Leg targets, at one frame or at each of F."""
+    """Targets of both legs, at one frame or at each of F frames."""
 
     channels: Array
-    """(n,) or (F, n) of the motion (``kernels.layout``)."""
+    """(n,) or (F, n) of the motion."""
     soft_thresholds: Array
-    """(2,) or (2, F) soft-IK thresholds: the fraction of its length to which each leg extends freely."""
+    """(2,) or (2, F) soft-IK thresholds: the fraction of its length up to which each leg extends freely."""
     ankles: Array
     """(2, 3) or (2, F, 3) metres."""
     feet: Array
@@ -77,12 +80,12 @@ class LegTargets(NamedTuple):
 
 
 class ArmTargets(NamedTuple):
-    """Arm targets, at each of F frames."""
+    """Targets of both arms, at each of F frames."""
 
     channels: Array
-    """(F, n) of the motion (``kernels.layout``)."""
+    """(F, n) of the motion."""
     soft_thresholds: Array
-    """(2, F) soft-IK thresholds: the fraction of its length to which each arm extends freely, 0 for an arm without
+    """(2, F) soft-IK thresholds: the fraction of its length up to which each arm extends freely, 0 for an arm without
     target.
     """
     wrists: Array
@@ -97,48 +100,49 @@ class SupportLinks(NamedTuple):
     """N supporting limbs as links between the body and their contacts."""
 
     starts: Array
-    """(N, F, 3) metres from the root: hips, shoulders."""
+    """(N, F, 3) hips or shoulders, metres from the root."""
     ends: Array
-    """(N, F, 3) in the world: knees, ankles, wrists."""
+    """(N, F, 3) knees, ankles or wrists, in the world."""
     min_lengths: Array
+    """(N, F) least length in metres."""
     max_lengths: Array
-    """(N, F) bounds of each length in metres."""
+    """(N, F) greatest length in metres."""
 
 
 class BodyFrames(NamedTuple):
     """One body over all frames."""
 
     measures: Array
-    """(F or 1, n) of ``kernels.layout``."""
+    """(F or 1, n) measures of the body."""
     masses: Array
-    """(S, 2) of ``kernels.tasks.balance``."""
+    """(S, 2) fraction of the body's mass, and position of the centre of mass along the segment."""
     root_reaches: Array
-    """(2, F) as in ``FrameBody``."""
+    """(2, F) extension, in leg lengths, to which the root may stretch each leg; inf for a free foot."""
     legs: LegTargets
     limits: Array
-    """(4,) of ``kernels.limits.limb_joint_limits``, empty without limits."""
+    """(4,) records ``LIMB_LIMITS``, empty without limits."""
     mass_fractions: Array
-    """(P,) of ``kernels.tasks.balance``."""
+    """(P,) mass fractions of points that give the same centre of mass."""
     hand_contacts: Array
-    """(2, F) records of ``HAND_CONTACT``, or (2, 1) of none."""
+    """(2, F) records of ``HAND_CONTACT``, or (2, 1) without contacts."""
     ground: Array
-    """(4, F or 1, 3) as in ``FrameBody``."""
+    """(4, F or 1, 3) plane z = a + b x + c y of the ground under the unsolved end of each limb, metres."""
 
 
 class FrameBody(NamedTuple):
     """One body at one frame."""
 
     measures: Array
-    """(n,) of ``kernels.layout``."""
+    """(n,) measures of the body."""
     masses: Array
-    """(S, 2) of ``kernels.tasks.balance``."""
+    """(S, 2) fraction of the body's mass, and position of the centre of mass along the segment."""
     root_reaches: Array
-    """(2,) fractions of their lengths to which the root may stretch the legs, inf for a free foot."""
+    """(2,) extension, in leg lengths, to which the root may stretch each leg; inf for a free foot."""
     legs: LegTargets
     limits: Array
-    """(4,) of ``kernels.limits.limb_joint_limits``."""
+    """(4,) records ``LIMB_LIMITS``, empty without limits."""
     mass_fractions: Array
-    """(P,) of ``kernels.tasks.balance``."""
+    """(P,) mass fractions of points that give the same centre of mass."""
     hand_contacts: Array
     """(2,) records of ``HAND_CONTACT``."""
     ground: Array
@@ -146,18 +150,18 @@ class FrameBody(NamedTuple):
 
 
 class BalanceJoints(NamedTuple):
-    """Joints of limbs that may rotate to help a balance constraint."""
+    """Shoulders and hips that may rotate to help a balance constraint."""
 
     joints: Array
-    """(n,) indices of the joints."""
+    """(n,) indices among the joints of the search."""
     nominal_weights: Array
-    """(C + L + 1, n) their weights, limits last."""
+    """(C + L + 1, n) joint weights at full availability, of tasks, then levels, and their joint limits last."""
     availability: Array
-    """(L, n, F) fraction of each joint available to each level."""
+    """(L, n, F) availability of each joint to each level, 0 to 1."""
 
 
 class TargetArrays(NamedTuple):
-    """Targets at full activation."""
+    """Targets of all tasks at full activation."""
 
     positions: Array
     """(C, F or 1, 3) metres."""
@@ -175,7 +179,7 @@ class TaskRows(NamedTuple):
     errors: Array
     """(R,) error of each row, metres."""
     weight_rows: Array
-    """(R,) row of the joint weights by which each moves joints."""
+    """(R,) row of the joint weights by which each Jacobian row moves joints."""
     roles: Array
     """(R,) objective, equality or inequality (``kernels.tasks.second_order``)."""
     damping: Array
@@ -183,36 +187,36 @@ class TaskRows(NamedTuple):
     point_errors: Array
     """(R,) records of ``POINT_ERROR``."""
     margins: Array
-    """(R,) margin of an inequality in metres."""
+    """(R,) braking margin of each inequality, metres."""
 
 
 class FlattenedTaskRows(NamedTuple):
-    """``TaskRows`` with the Jacobians of all joints in one row, (R, 3 N): the same memory."""
+    """Views of the rows of a step with all joints in one dimension, (R, 3 N), which share memory with ``TaskRows``."""
 
     jacobian: Array
-    """(R, 3 N) that of ``TaskRows``."""
+    """(R, 3 N) ``TaskRows.jacobian``."""
     weighted: Array
     """(R, 3 N) Jacobian times joint weights."""
     directions: Array
-    """(R + 2, 3 N) those of ``Equations``."""
+    """(R + 2, 3 N) ``Equations.directions``."""
 
 
 class Equations(NamedTuple):
     """Linear systems of ``kernels.search.null_space_step`` for one step."""
 
     gram: Array
-    """(R, R) M, each row of the Jacobian times each weighted one."""
+    """(R, R) Gram matrix M of the Jacobian rows with the weighted rows."""
     equalities: Array
     """(R, R + 2) M_hh^-1 [e_h | M_ha], METHOD (21)."""
     normal: Array
     """(R, R + 1) normal equations of the objective rows, METHOD (23)."""
     active: Array
-    """(R,) active set: False for an inequality that holds."""
+    """(R,) active set: False for an inequality that the step does not violate."""
     coefficients: Array
-    """(R,) coefficient of the direction of each row."""
+    """(R,) coefficient of each row's direction in the step."""
     directions: Array
-    """(R + 2, N, 3) null-space projected direction of each row, then the step of the equalities, then that of the
-    objectives.
+    """(R + 2, N, 3) null-space projected direction of each row, then the step of the equality rows, then that of the
+    objective rows.
     """
     scratch: Array
     """(R, R + 12) scratch."""
@@ -223,17 +227,17 @@ class FullNewtonScratch(NamedTuple):
     """Scratch of ``kernels.search.full_newton_step``, with D = 3 N."""
 
     system: Array
-    """(D, D + 1)."""
+    """(D, D + 1) linear system."""
     weights: Array
-    """(D,)."""
+    """(D,) weight of each unknown."""
     step: Array
-    """(D,)."""
+    """(D,) solution, and scratch row."""
     lever_arms: Array
-    """(N, 3)."""
+    """(N, 3) lever arms, and scratch vectors."""
 
 
 class SearchState(NamedTuple):
-    """State of the search of one frame, and its scratch."""
+    """State of the search at one frame, and its scratch."""
 
     rows: TaskRows
     equations: Equations
@@ -243,40 +247,40 @@ class SearchState(NamedTuple):
     backtracking: Array
     """(1,) records of ``search.backtracking.BACKTRACKING``."""
     segment_rotations: Array
-    """(S + 1, 3, 3) rotation of each segment away from the motion, the identity last."""
+    """(S + 1, 3, 3) world rotation of each segment away from the motion, the identity last."""
     state: Array
-    """(N, 3) of ``kernels.search.joints``: displacement of each joint from the motion."""
+    """(N, 3) displacement of each joint from the motion: Gibbs vectors, metres for the root."""
     level_start: Array
-    """(N, 3) state at the start of the level, or of the pose just solved while poses are blended."""
+    """(N, 3) state at the start of the level; while poses are blended, that of the pose just solved."""
     kept_state: Array
-    """(N, 3) state of the saved pose of an activation transition."""
+    """(N, 3) state of the saved pose of a blend."""
     trial_state: Array
-    """(N, 3) state of a trial."""
+    """(N, 3) state saved while other steps are tried."""
     end_tasks: Array
-    """(4,) task that holds the end of each limb, -1 none."""
+    """(4,) index of the task that holds each limb's hand or foot, -1 for none."""
     blended_limbs: Array
     """(4,) nonzero for a limb that keeps its blended pose (``kernels.time.activation_blend``)."""
     idle_limbs: Array
-    """(4,) nonzero for a limb without tasks."""
+    """(4,) nonzero for a limb without tasks, whose rotations may be posed later."""
     mass_sums: Array
-    """(S + 1, 4) of ``kernels.tasks.balance``."""
+    """(S + 1, 4) prefix sums of moments and masses (``accumulate_masses``)."""
     limbs: Array
     """(4,) records of ``LIMB_STATE``."""
     blended_rotations: Array
-    """(16, 3, 3) rotation of each segment of a blended limb in its parent, four a limb."""
+    """(16, 3, 3) rotations of the limbs' segments in their parents in the blended pose, four a limb."""
     solved_rotations: Array
-    """(16, 3, 3) the same of the pose just solved."""
+    """(16, 3, 3) rotations of the limbs' segments in their parents in the pose just solved, four a limb."""
     kept_rotations: Array
-    """(16, 3, 3) the same of the saved pose."""
+    """(16, 3, 3) rotations of the limbs' segments in their parents in the saved pose, four a limb."""
 
 
 class FrameProblem(NamedTuple):
     """Problem of one frame: tasks, body and pose."""
 
     tasks: Array
-    """(C,) records of ``kernels.tasks.task``, in order of level."""
+    """(C,) records of ``TASK``, in order of level."""
     areas: Array
-    """(C, n) of ``kernels.tasks.area_shapes``."""
+    """(C, n) area of each task, in the columns of ``kernels.tasks.area_shapes``."""
     chain: JointWeights
     body: FrameBody
     search: SearchState
@@ -290,39 +294,39 @@ class ConstraintSet(NamedTuple):
     """Tasks of all frames."""
 
     tasks: Array
-    """(C,) records of ``kernels.tasks.task``, in order of level."""
+    """(C,) records of ``TASK``, in order of level."""
     areas: Array
-    """(C, n) of ``kernels.tasks.area_shapes``."""
+    """(C, n) area of each task, in the columns of ``kernels.tasks.area_shapes``."""
     chain: JointWeights
     redundancy: BalanceJoints
     targets: TargetArrays
     activations: Array
-    """(K, C, F) of the tasks down to each of K tiers of ``kernels.limits.clearance_tiers``, all tasks in the last."""
+    """(K, C, F) activations of the tasks down to each of K priority tiers (``kernels.limits.clearance_tiers``), all
+    tasks in the last.
+    """
     weights: Array
-    """(C, F or 1) among tasks of the same level."""
+    """(C, F or 1) weights among tasks of the same level."""
 
 
 class CapsuleArrays(NamedTuple):
     """Volume of a body: N capsules (``core.volume.BodyVolume``)."""
 
     segments: Array
-    """(N, 2) segments of both ends."""
+    """(N, 2) indices of the segments to which both ends are fixed."""
     places: Array
-    """(N, 2, 3) positions of the ends in these segments' axes."""
+    """(N, 2, 3) positions of both ends in the axes of these segments."""
     radii: Array
-    """(N, 2) metres."""
+    """(N, 2) radii at both ends, metres."""
     girths: Array
-    """(5,) radii of the probes of an arm."""
+    """(5,) radii of the probes of an arm, metres."""
 
 
 class ActorClearance(NamedTuple):
-    """Signed distances of the actor's arms beside a body's volume: the part of ``ClearanceArrays`` that
-    ``push_arm_out`` reads.
-    """
+    """Volume of a body, and signed distances of the captured actor's arms from the actor's own body."""
 
     volume: CapsuleArrays
     actor_distances: Array
-    """(F, 2, 5) metres."""
+    """(F, 2, 5) signed distances of both arms' probes, metres."""
     actor_directions: Array
     """(F, 2, 5, 3) outward directions of the actor's body."""
 
@@ -332,25 +336,25 @@ class ClearanceArrays(NamedTuple):
 
     volume: CapsuleArrays
     proximal: Array
-    """(S,) first point of each segment."""
+    """(S,) index of the point at which each segment begins."""
     required_distances: Array
-    """(Q, F, 2, 5) signed distance in metres required of each probe."""
+    """(Q, F, 2, 5) signed distance required of each probe, metres."""
     activations: Array
-    """(Q, F)."""
+    """(Q, F) activations of the constraints."""
     arms: Array
     """(Q, 2) 1 for an arm that is constrained."""
     freedoms: Array
-    """(Q,) weight of the wrist."""
+    """(Q,) weight by which the wrist may move, 0 to 1."""
     above: Array
-    """(Q, C) relation of each task to each constraint (``kernels.limits.self_collision``)."""
+    """(Q, C) priority of each task relative to each constraint (``TASK_ABOVE`` ...)."""
     residuals: Array
-    """(Q, F) metres, written by kernels."""
+    """(Q, F) penetrations in metres, written by kernels."""
     actor_distances: Array
-    """(F, 2, 5) signed distances of the actor in metres."""
+    """(F, 2, 5) signed distances of the actor's probes, metres."""
     actor_directions: Array
     """(F, 2, 5, 3) outward directions of the actor's body."""
     tiers: Array
-    """(Q + C,) tier of each constraint and task (``kernels.limits.clearance_tiers``)."""
+    """(Q + C,) priority tier of each constraint, then of each task (``kernels.limits.clearance_tiers``)."""
 
 
 class ClearanceScratch(NamedTuple):
@@ -359,62 +363,62 @@ class ClearanceScratch(NamedTuple):
     capsules: Array
     """(N,) records of ``CAPSULE``."""
     distances: Array
-    """(2, 5) signed distance of each probe now, metres."""
+    """(2, 5) present signed distance of each probe, metres."""
     distances_before: Array
-    """(2, 5) the same before the tasks."""
+    """(2, 5) signed distance of each probe before the tasks, metres."""
     saved: Pose
-    """(4, 3) points and (3, 3, 3) rotations of an arm."""
+    """(4, 3) points and (3, 3, 3) rotations of an arm before it is moved."""
     rotation: Array
     """(3, 3)."""
     arm_holds: Array
-    """(3,) fraction to which higher tasks hold wrist, hand and swivel."""
+    """(3,) fractions to which higher tasks hold wrist, hand and swivel."""
     required_distances: Array
-    """(5,) signed distances required of the probes of one arm now, metres."""
+    """(5,) present signed distances required of one arm's probes, metres."""
     directions: Array
-    """(5, 3) outward directions."""
+    """(5, 3) outward directions of one arm's probes."""
 
 
 class SavedTier(NamedTuple):
-    """Result of the tiers above one (``kernels.limits.clearance_tiers``)."""
+    """Result of the priority tiers above the one being solved (``kernels.limits.clearance_tiers``)."""
 
     state: Array
-    """(N, 3) of the search."""
+    """(N, 3) state of the search."""
     rotations: Array
-    """(16, 3, 3) of the limbs' segments in their parents, four a limb."""
+    """(16, 3, 3) rotations of the limbs' segments in their parents, four a limb."""
     first_residuals: Array
     """(C + Q,) residuals of the saved pose."""
     own_residuals: Array
-    """(C + Q,) residuals when each task's own tier was saved."""
+    """(C + Q,) residuals when the tier of each task or constraint was saved."""
     new_residuals: Array
     """(C + Q,) residuals of the pose just solved."""
 
 
 class HigherLevelPoses(NamedTuple):
-    """Final poses of the levels above the current one, in all frames."""
+    """Final poses in all frames of the levels above the one being smoothed."""
 
     positions: Array
-    """(F, P, 3)."""
+    """(F, P, 3) metres."""
     rotations: Array
-    """(F, S, 3, 3)."""
+    """(F, S, 3, 3) in the world."""
     states: Array
-    """(F, N, 3)."""
+    """(F, N, 3) states of the search."""
     return_fractions: Array
-    """(F,) fraction of the return to these poses."""
+    """(F,) fraction of the way back to these poses, 1 for a level that is dropped completely."""
 
 
 class SmoothingRun(NamedTuple):
-    """Frames to be solved, or posed again after smoothing in time (``kernels.time.smoothed_frames``)."""
+    """Frames to be solved, or to be posed again after smoothing in time (``kernels.time.smoothed_frames``)."""
 
     frames: Array
-    """(n,) to be solved."""
+    """(n,) indices of the frames."""
     states: Array
-    """(F, N, 3) states of their searches."""
+    """(F, N, 3) states of the search: results of a solve, or smoothed ones."""
     rotations: Array
-    """(F, 16, 3, 3) smoothed rotations of the limbs' joints, four a limb; empty without smoothing."""
+    """(F, 16, 3, 3) smoothed rotations of the limbs' joints in their parents, four a limb; empty without smoothing."""
     level: Array
     """(1,) record of ``SMOOTHED_LEVEL``."""
     residuals: Array
-    """(C + Q, F) smoothed residuals of the levels above, unsmoothed ones of the others."""
+    """(C + Q, F) residuals: smoothed ones of the levels above, unsmoothed ones of the others."""
     above: HigherLevelPoses
     limbs: Array
     """(4,) 1 for a limb with constraints."""
@@ -423,13 +427,13 @@ class SmoothingRun(NamedTuple):
     rate: Array
     """(1,) frames a second."""
     peaks: Array
-    """(F, N + 1) of ``kernels.time.acceleration_peaks``."""
+    """(F, N + 1) acceleration peaks (``kernels.time.acceleration_peaks``), rad/s2."""
     violations: Array
     """(F,) priority violation of the smoothing, metres or radians."""
 
 
 class ClipProblem(NamedTuple):
-    """Problem of all frames, with scratch."""
+    """Problem of all frames, with scratch and results."""
 
     constraints: ConstraintSet
     body: BodyFrames
@@ -443,7 +447,7 @@ class ClipProblem(NamedTuple):
 
 
 class SolverScratch(NamedTuple):
-    """Scratch made once for all frames."""
+    """Scratch of the solver, allocated once for all frames."""
 
     search: SearchState
     clearing: ClearanceScratch
@@ -451,8 +455,8 @@ class SolverScratch(NamedTuple):
 
 
 SEARCH_JOINT = np.dtype([(name, np.int64) for name in ("segment", "pivot", "first", "past", "parent")], align=True)
-"""A joint of the search: its segment (-1 for the root's translation), the point about which it rotates, the first and
-past the last segment of its subtree, and its parent segment (S none).
+"""A joint of the search: its ``segment`` (-1 for the root's translation), the ``pivot`` point about which it rotates,
+the ``first`` segment of its subtree and the one ``past`` the last, and its ``parent`` segment (S for none).
 """
 LIMB_STATE = np.dtype(
     [
@@ -466,9 +470,10 @@ LIMB_STATE = np.dtype(
     align=True,
 )
 """A limb while its tasks are solved (``kernels.limbs.limb_tasks``): ``has_limits`` if joint limits apply; ``holds_end``
-if hand or foot keeps its world orientation, ``end_has_task`` if a task sets it; ``freedoms_used`` by tasks (aim and
-bend, then the swivel); the ``primary`` task, its end, and the position of its point; ``aims_upper`` if that is a point
-of the upper segment, ``swivels`` if it leaves a swivel; ``lower_rotated`` if the lower segment was rotated for itself.
+if hand or foot keeps its world orientation, ``end_has_task`` if a task sets that; number of ``freedoms_used`` by tasks
+(first bend and aim, then the swivel); the ``primary`` task, the end ``primary_end`` of it that is on the limb, and the
+position of its point; ``aims_upper`` if that point is on the upper segment, ``swivels`` if it leaves a swivel;
+``lower_rotated`` if a task rotated the lower segment itself.
 """
 HAND_CONTACT = np.dtype(
     [
@@ -477,8 +482,9 @@ HAND_CONTACT = np.dtype(
     ],
     align=True,
 )
-"""Contact of a hand (``kernels.limbs.touching_arms``): weights in [0, 1] of its contact with the other hand, and with
-the body; the segment of the body under it, and the point where that begins.
+"""Contact of a hand (``kernels.limbs.touching_arms``): weights in [0, 1] of its contact with the other hand
+(``together``) and with the body (``resting``); the ``segment`` of the body under it, and the point ``origin`` at which
+that begins.
 """
 CAPSULE = np.dtype(
     [
@@ -490,12 +496,12 @@ CAPSULE = np.dtype(
     ],
     align=True,
 )
-"""A capsule in the world: where it begins and the vector to its end, in metres, 1 / length^2, the radius at its
-beginning, and the radius change to its end.
+"""A capsule in the world: the position of its beginning and the vector to its end, in metres, 1 / length^2, the radius
+at its beginning, and the change of radius to its end.
 """
 JOINT_DAMPING = np.dtype([("axis", np.float64, (3,)), ("fraction", np.float64)], align=True)
-"""World axis of a joint's rotation, and the square root of the fraction of its weight that its limit leaves
-about it.
+"""Damping of a joint near its limit: world axis of its rotation, and the square root of the fraction of its weight that
+is left about that axis.
 """
 POINT_ERROR = np.dtype(
     [
@@ -507,15 +513,16 @@ POINT_ERROR = np.dtype(
     ],
     align=True,
 )
-"""Source of the second-order term of a row (``kernels.tasks.second_order``): an error in metres of a point of
-``segment`` (-1 none), or of a limb of length ``span`` from there, and its weight.
+"""Source of the second-order term of a row (``kernels.tasks.second_order``): an ``error`` in metres of a ``point`` of
+``segment`` (-1 for none), or of a limb of length ``span`` that begins at the point, and its ``weight``.
 """
 LAST_STEP = np.dtype([("residual", np.float64), ("suffices", np.int64)], align=True)
-"""Last step of a search: its residual, and 1 if that suffices."""
+"""Last step of a search: its ``residual`` in metres, and ``suffices``, 1 if no further step is necessary."""
 SMOOTHED_LEVEL = np.dtype(
     [(name, np.int64) for name in ("level", "solves_again", "contact_levels", "keeps_priority", "clear_count")],
     align=True,
 )
-"""The level being smoothed: its number; 1 if it is solved again; how many levels are contacts; 1 if frames that violate
-higher levels return to these; how many self-collision constraints do not stand above it.
+"""The level being smoothed: its number; ``solves_again`` 1 if it is solved again; number of levels that are contacts;
+``keeps_priority`` 1 if frames that violate higher levels return to these; ``clear_count``, the number of self-collision
+constraints without a higher priority.
 """

@@ -1,11 +1,13 @@
-"""Solution of a whole clip on one body: legs on their ankles, then tasks, frame by frame, each from its own pose."""
+"""Solution of all frames of a clip on one body: legs are placed on their ankles, then tasks are solved, frame by
+frame.
+"""
 
 import numpy as np
 
 from studio.core.kernels.algebra.vectors import zero_points
 from studio.core.kernels.body.parts import copy_pose, translate_points
 from studio.core.kernels.compiling import allocating_kernel, kernel, pack, small_kernel
-from studio.core.kernels.limbs.legs import is_placed, place_leg
+from studio.core.kernels.limbs.legs import is_leg_placed, place_leg
 from studio.core.kernels.limits.clearance_tiers import back_track_tier, make_kept_tier, next_tier, save_tier
 from studio.core.kernels.limits.self_collision import clear_after_tasks, clear_before_tasks, make_clearance_scratch
 from studio.core.kernels.records import (
@@ -39,7 +41,8 @@ from studio.core.kernels.time.smoothed_frames import pose_smoothed
 
 @kernel
 def place_frames(measures, drops, legs, positions, rotations):
-    """Lower the root by ``drops`` (F,) and place both ``legs`` (``kernels.records``) on their ankles, in place.
+    """Lower the root by ``drops`` (F,) metres and place both ``legs`` (``LegTargets``) on their ankle targets, in
+    place.
 
     ``measures`` (F or 1, n); ``positions`` (F, P, 3) and ``rotations`` (F, S, 3, 3).
     """
@@ -49,17 +52,17 @@ def place_frames(measures, drops, legs, positions, rotations):
         row = measures[frame if measures.shape[0] > 1 else 0]
         pose, now = pack(Pose(positions[frame], rotations[frame])), pack(legs_at(frame, legs))
         for side in range(2):
-            if not is_placed(side, row, now, pose):
+            if not is_leg_placed(side, row, now, pose):
                 place_leg(side, row, now, pose)
 
 
 @allocating_kernel
 def solve_frames(request, body, motion, clearance, easing, out_residuals):
-    """Solve the tasks of every frame, in place (METHOD 7 to 9).
+    """Solve the tasks of every frame in ``easing.frames``, in place (METHOD 7 to 9).
 
-    Records as in ``kernels.records``. Self-collision constraints act on the unsolved poses of ``motion``, in place, and
-    again after the tasks; its solved poses begin as copies of the unsolved ones. ``out_residuals`` (C, F): residual of
-    each task (metres, radians for rotations), NaN where inactive.
+    Arguments are records of ``kernels.records``. Arms are pushed out of the body in the unsolved poses of ``motion``,
+    in place, and again after the tasks; the solved poses of ``motion`` must begin as copies of the unsolved ones.
+    ``out_residuals`` (C, F): residual of each task (metres, radians for rotations), NaN where inactive.
     """
     count, joints = request.tasks.shape[0], request.chain.joints.shape[0]
     search = make_search(count, joints, motion.positions.shape[1])
@@ -69,7 +72,7 @@ def solve_frames(request, body, motion, clearance, easing, out_residuals):
 
 @kernel
 def solve_run(request, body, motion, clearance, easing, scratch, out_residuals):
-    """Solve all frames with the given scratch."""
+    """Solve all frames of ``solve_frames`` with scratch that the caller has allocated."""
     chain, made = pack(request.chain), scratch.search
     search = pack(pack_search(pack(made.rows), pack(made.equations), pack(made.damped), made))
     known = ClipProblem(
@@ -115,7 +118,7 @@ def solve_run(request, body, motion, clearance, easing, scratch, out_residuals):
 
 @kernel
 def pose_smoothed_frame(frame, clears, clip, problem):
-    """Pose one frame as it was smoothed, after it was solved with all active tasks."""
+    """Pose one frame from its smoothed state. It is solved with all active tasks first, to update goals and weights."""
     waited = clears and clear_before_tasks(frame, True, clip, problem.start)
     reset_pose(problem)
     solve_activations(frame, clip.constraints.activations.shape[0] - 1, clip, problem)
@@ -124,8 +127,9 @@ def pose_smoothed_frame(frame, clears, clip, problem):
 
 @kernel
 def solve_tiers(frame, clip, problem):
-    """Solve and clear one frame tier by tier (``kernels.limits.clearance_tiers``); True if a task of the last tier is
-    active.
+    """Solve one frame tier by tier, pushing arms out of the body after each; True if a task is active.
+
+    A tier is a group of priorities solved together (``kernels.limits.clearance_tiers``).
     """
     last = clip.constraints.activations.shape[0] - 1
     waited = clear_before_tasks(frame, False, clip, problem.start)
@@ -153,8 +157,9 @@ def reset_pose(problem):
 
 @kernel
 def solve_activations(frame, tier, clip, problem):
-    """Solve one frame down to a ``tier``, with several solves blended in an activation transition; True if a task is
-    active.
+    """Solve the tasks of one frame down to a ``tier``; True if any is active.
+
+    During an activation transition several solutions, with and without the tasks in transition, are blended.
     """
     tasks, chain, activations = problem.tasks, problem.chain, clip.constraints.activations[tier]
     least, any_acts = 0.0, False
@@ -184,14 +189,14 @@ def solve_activations(frame, tier, clip, problem):
 
 @small_kernel
 def legs_at(frame, legs):
-    """Leg targets at one frame."""
+    """``LegTargets`` of one frame, from those of all frames."""
     ankles, feet, toes = legs.ankles[:, frame], legs.feet[:, frame], legs.toes[:, frame]
     return LegTargets(legs.channels[frame], legs.soft_thresholds[:, frame], ankles, feet, toes)
 
 
 @small_kernel
 def body_at(frame, body, legs):
-    """The body at one frame, with its packed leg targets."""
+    """``FrameBody`` of one frame, from the ``BodyFrames`` of all and the frame's packed leg targets."""
     row = body.measures[frame if body.measures.shape[0] > 1 else 0]
     contacts = body.hand_contacts[:, frame if body.hand_contacts.shape[1] > 1 else 0]
     ground = body.ground[:, frame if body.ground.shape[1] > 1 else 0]
@@ -202,7 +207,9 @@ def body_at(frame, body, legs):
 
 @small_kernel
 def pack_search(rows, equations, damped, search):
-    """Search with these records packed by the caller: a packed record is valid inside the function that packed it."""
+    """``SearchState`` with its nested records packed by the caller: a packed record is valid only in its packing
+    function.
+    """
     return SearchState(
         rows,
         equations,

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from studio.core.captures.contacts import spans_of
 from studio.core.curves.activation import EaseShape, ease
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.normalized.differences import blended_channels, channel_difference, with_difference
 from studio.core.normalized.joining import ClipAlignment, FootStep
 from studio.core.normalized.pieces import PIECE_CONTACT_POINTS, ChannelSource, HeldPose, Mask, PieceSource
@@ -180,4 +180,4 @@ def raise_feet(channels: FloatArray, flights: Sequence[Flight], first: int) -> N
         height = np.clip(STEP_HEIGHT_FRACTION * each.step.displacement, *STEP_HEIGHT_RANGE)
         rise = height * np.sin(np.pi * (frames - each.last_contact) / max(len(frames) - 1, 1)) ** 2
         inside = frames - first < len(channels)
-        channels[frames[inside] - first, at.LIMB_SLACK + 2 + each.step.side] += rise[inside]
+        channels[frames[inside] - first, channel.LIMB_SLACK + 2 + each.step.side] += rise[inside]

@@ -8,21 +8,21 @@ nearly straight.
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.rotations import inverse, multiply, normalized, sign_continuous
 
 FloatArray = NDArray[np.float64]
 
-ANGLE_CHANNELS = (at.YAW, *range(at.LIMB_TWIST, at.HAND))
+ANGLE_CHANNELS = (channel.YAW, *range(channel.LIMB_TWIST, channel.HAND))
 """Columns of channels that are angles, in which full turns make no difference."""
-SLACKS = slice(at.LIMB_SLACK, at.LIMB_OFF_PLANE)
-OFF_PLANES = slice(at.LIMB_OFF_PLANE, at.LIMB_BEND)
-BENDS = slice(at.LIMB_BEND, at.LIMB_TWIST)
+SLACKS = slice(channel.LIMB_SLACK, channel.LIMB_OFF_PLANE)
+OFF_PLANES = slice(channel.LIMB_OFF_PLANE, channel.LIMB_BEND)
+BENDS = slice(channel.LIMB_BEND, channel.LIMB_TWIST)
 
 
 def turn_columns(width: int) -> NDArray[np.int64]:
     """First columns (T,) of the quaternions in channels with ``width`` columns."""
-    return np.array([*at.QUATERNION_COLUMNS, *range(at.SPINE, width, 4)])
+    return np.array([*channel.QUATERNION_COLUMNS, *range(channel.SPINE, width, 4)])
 
 
 def channel_quaternions(channels: FloatArray) -> FloatArray:

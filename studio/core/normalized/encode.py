@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.kernels.body.encode_channels import ActorSizes, encode_frames, unwrap_channels
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import spine_fractions
@@ -25,9 +25,9 @@ def encode_motion(
     actor = actor_sizes(body, np.concatenate([body.arm.sum(axis=1), body.leg.sum(axis=1)]))
     turns = sign_continuous(from_matrix(np.asarray(rotations[:, 0])))
     yaw = np.unwrap(2.0 * np.arctan2(turns[:, 2], turns[:, 3]))
-    channels = np.zeros((len(positions), at.SPINE + 4 * (layout.spine_count - 1)))
+    channels = np.zeros((len(positions), channel.SPINE + 4 * (layout.spine_count - 1)))
     encode_frames(np.array(positions), np.array(rotations), yaw, actor, channels)
-    unwrap_channels(np.array([*at.QUATERNION_COLUMNS, *range(at.SPINE, channels.shape[1], 4)]), channels)
+    unwrap_channels(np.array([*channel.QUATERNION_COLUMNS, *range(channel.SPINE, channels.shape[1], 4)]), channels)
     return NormalizedMotion(name, frame_rate, channels, spine_fractions(body.spine))
 
 

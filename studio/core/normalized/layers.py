@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch, spans_of
 from studio.core.curves.activation import EaseShape, ease
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.normalized.blending import Flight, planned_steps, raise_feet, step_seconds
 from studio.core.normalized.compose import Composite, compose_pieces
 from studio.core.normalized.differences import blended_channels, channel_difference, with_difference
@@ -105,9 +105,12 @@ class _LayeredRow:
         frame = piece.first if self._overlay.reference < 0 else min(self._overlay.reference, motion.frame_count - 1)
         pose = ResampledMotion(motion, self._places).at(np.array([float(frame)]))
         by = channel_difference(np.tile(pose, (len(own), 1)), own)
-        turn = below[:, at.YAW] - pose[0, at.YAW]
-        x, y = by[:, at.HIPS].copy(), by[:, at.HIPS + 1].copy()
-        by[:, at.HIPS], by[:, at.HIPS + 1] = np.cos(turn) * x - np.sin(turn) * y, np.sin(turn) * x + np.cos(turn) * y
+        turn = below[:, channel.YAW] - pose[0, channel.YAW]
+        x, y = by[:, channel.HIPS].copy(), by[:, channel.HIPS + 1].copy()
+        by[:, channel.HIPS], by[:, channel.HIPS + 1] = (
+            np.cos(turn) * x - np.sin(turn) * y,
+            np.sin(turn) * x + np.cos(turn) * y,
+        )
         return with_difference(below, by)
 
     def _placed(self, below: FloatArray, own: FloatArray) -> tuple[FloatArray, ClipAlignment, ClipAlignment]:
@@ -233,18 +236,18 @@ def columns_of(region: Region, width: int) -> Mask:
 def _columns(part: Region, width: int) -> list[tuple[int, int]]:
     match part:
         case Region.TRUNK:
-            return [(at.SPINE, width - at.SPINE)]
+            return [(channel.SPINE, width - channel.SPINE)]
         case Region.HEAD:
-            return [(at.NECK, 8), (at.HEAD_SHIFT, 3)]
+            return [(channel.NECK, 8), (channel.HEAD_SHIFT, 3)]
         case Region.LEFT_ARM | Region.RIGHT_ARM:
             side = int(part is Region.RIGHT_ARM)
-            return [(at.CLAVICLE + 4 * side, 4), (at.HAND + 4 * side, 4), *_limb(side)]
-    return [(at.HIPS, 8), (at.FOOT, 16), (at.HIP_SHIFT, 6), *_limb(2), *_limb(3)]
+            return [(channel.CLAVICLE + 4 * side, 4), (channel.HAND + 4 * side, 4), *_limb(side)]
+    return [(channel.HIPS, 8), (channel.FOOT, 16), (channel.HIP_SHIFT, 6), *_limb(2), *_limb(3)]
 
 
 def _limb(limb: int) -> list[tuple[int, int]]:
-    folds = [(column + limb, 1) for column in (at.LIMB_SLACK, at.LIMB_OFF_PLANE, at.LIMB_BEND)]
-    return [(at.LIMB_FRAME + 4 * limb, 4), *folds, (at.LIMB_TWIST + 2 * limb, 2)]
+    folds = [(column + limb, 1) for column in (channel.LIMB_SLACK, channel.LIMB_OFF_PLANE, channel.LIMB_BEND)]
+    return [(channel.LIMB_FRAME + 4 * limb, 4), *folds, (channel.LIMB_TWIST + 2 * limb, 2)]
 
 
 Points = frozenset[ContactPoint | Touch]

@@ -6,21 +6,23 @@ from dataclasses import replace
 import numpy as np
 
 from studio.core.captures.contacts import ContactInterval, ContactPoint, Touch, contact_point
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.project_cache import project_cache
 
-_SIDED = ((at.CLAVICLE, 4), (at.LIMB_FRAME, 4), (at.LIMB_FRAME + 8, 4), (at.LIMB_SLACK, 1), (at.LIMB_SLACK + 2, 1),
-          (at.LIMB_OFF_PLANE, 1), (at.LIMB_OFF_PLANE + 2, 1), (at.LIMB_BEND, 1), (at.LIMB_BEND + 2, 1),
-          (at.LIMB_TWIST, 2), (at.LIMB_TWIST + 4, 2), (at.HAND, 4), (at.FOOT, 4), (at.TOE, 4),
-          (at.HIP_SHIFT, 3))  # fmt: skip
+_SIDED = (
+    (channel.CLAVICLE, 4), (channel.LIMB_FRAME, 4), (channel.LIMB_FRAME + 8, 4), (channel.LIMB_SLACK, 1),
+    (channel.LIMB_SLACK + 2, 1), (channel.LIMB_OFF_PLANE, 1), (channel.LIMB_OFF_PLANE + 2, 1), (channel.LIMB_BEND, 1),
+    (channel.LIMB_BEND + 2, 1), (channel.LIMB_TWIST, 2), (channel.LIMB_TWIST + 4, 2), (channel.HAND, 4),
+    (channel.FOOT, 4), (channel.TOE, 4), (channel.HIP_SHIFT, 3),
+)  # fmt: skip
 """First column of a left side, and number of columns; those of the right side follow."""
-_OPPOSITE = (at.HIPS + 1, at.YAW, at.HIP_SHIFT + 1, at.HIP_SHIFT + 4, at.HEAD_SHIFT + 1,
-             *range(at.LIMB_OFF_PLANE, at.LIMB_BEND), *range(at.LIMB_TWIST, at.HAND))  # fmt: skip
+_OPPOSITE = (channel.HIPS + 1, channel.YAW, channel.HIP_SHIFT + 1, channel.HIP_SHIFT + 4, channel.HEAD_SHIFT + 1,
+             *range(channel.LIMB_OFF_PLANE, channel.LIMB_BEND), *range(channel.LIMB_TWIST, channel.HAND))  # fmt: skip
 """Columns that change their sign: displacements to the left, rotations to the left, twists."""
-_HINGED = range(at.LIMB_FRAME, at.LIMB_SLACK, 4)
+_HINGED = range(channel.LIMB_FRAME, channel.LIMB_SLACK, 4)
 """Columns of limb frames: their x is a hinge axis, which a mirror reverses."""
-_HANDS = (at.HAND, at.HAND + 4)
+_HANDS = (channel.HAND, channel.HAND + 4)
 """Columns of the hands, which rotate in a forearm's axes, whose x is a hinge as well."""
 
 
@@ -36,7 +38,7 @@ def mirrored_motion(motion: NormalizedMotion) -> NormalizedMotion:
         own, other = slice(left, left + count), slice(left + count, left + 2 * count)
         channels[:, own], channels[:, other] = motion.channels[:, other], motion.channels[:, own]
     channels[:, _OPPOSITE] *= -1.0
-    for column in (*at.QUATERNION_COLUMNS, *range(at.SPINE, channels.shape[1], 4)):
+    for column in (*channel.QUATERNION_COLUMNS, *range(channel.SPINE, channels.shape[1], 4)):
         x, y, z, w = channels[:, column : column + 4].T
         if column in _HINGED:  # M R D = M R M (M D), and M D is half a turn about z
             turned = [y, x, w, z]

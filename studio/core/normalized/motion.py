@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.frozen_array import frozen_array
-from studio.core.kernels import layout
+from studio.core.kernels import channel_columns as channel
 from studio.core.rotations import multiply, rotate
 from studio.core.windows import bell_average
 
@@ -59,9 +59,9 @@ class Change:
 class NormalizedMotion:
     """Motion without any body's measures: angles, and lengths as fractions of the body's own.
 
-    ``channels`` (F, 89 + 4 K) have the columns of ``kernels.layout``; ``spine_places`` (K,) is the begin of each of the
-    K spine segments along the trunk, 0 the pelvis to 1 the thorax. The motion's space has its origin on the ground
-    under the root of the first frame.
+    ``channels`` (F, 89 + 4 K) have the columns of ``kernels.channel_columns``; ``spine_places`` (K,) is the begin of
+    each of the K spine segments along the trunk, 0 the pelvis to 1 the thorax. The motion's space has its origin on the
+    ground under the root of the first frame.
     """
 
     name: str
@@ -82,7 +82,7 @@ class NormalizedMotion:
         object.__setattr__(self, "frame_rate", float(self.frame_rate))  # kernels are compiled once more for an int
         for name in ("channels", "spine_places"):
             object.__setattr__(self, name, frozen_array(getattr(self, name)))
-        if self.channels.ndim != 2 or self.channels.shape[1] != layout.SPINE + 4 * (len(self.spine_places) - 1):
+        if self.channels.ndim != 2 or self.channels.shape[1] != channel.SPINE + 4 * (len(self.spine_places) - 1):
             raise ValueError(
                 f"Channels of shape {self.channels.shape} do not fit {len(self.spine_places)} spine segments."
             )
@@ -103,8 +103,8 @@ class NormalizedMotion:
 
         A pelvis rotates over standing feet; this is its heading without that rotation.
         """
-        yaw, pelvis = self.channels[:, layout.YAW], self.channels[:, layout.PELVIS : layout.PELVIS + 4]
-        feet = self.channels[:, layout.FOOT : layout.FOOT + 8].reshape(-1, 2, 4)
+        yaw, pelvis = self.channels[:, channel.YAW], self.channels[:, channel.PELVIS : channel.PELVIS + 4]
+        feet = self.channels[:, channel.FOOT : channel.FOOT + 8].reshape(-1, 2, 4)
         x, y, _ = rotate(multiply(pelvis[:, None], feet), np.array([0.0, 1.0, 0.0])).sum(axis=1).T
         level = np.column_stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y])
         return frozen_array(bell_average(level, HEADING_SMOOTHING_SECONDS * self.frame_rate))

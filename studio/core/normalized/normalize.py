@@ -36,7 +36,7 @@ from studio.core.captures.plate_steps import contacts_fitted_to_plates
 from studio.core.captures.rising_heels import rising_heels
 from studio.core.errors import StudioError
 from studio.core.grounds.steps import Steps
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.kernels.body.encode_channels import encode_frames, unwrap_channels
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.alignment import align_soles, find_alignments
@@ -94,7 +94,7 @@ def _normalize(capture: Capture, progress: Callable[[float], object]) -> tuple[N
     )
     body = measure_actor(marks, alignments, rotations, contacts, capture.first_frame, soles)
     channels = _channels(body, marks.points, rotations, capture.frame_rate)
-    channels[:, at.HIPS : at.HIPS + 3] -= origin / body.leg_length
+    channels[:, channel.HIPS : channel.HIPS + 3] -= origin / body.leg_length
     channels.setflags(write=False)
     motion = NormalizedMotion(capture.name, capture.frame_rate, channels, spine_fractions(body.spine), girdle_of(body))
     return motion, SourceRig(capture.skeleton, body, marks.segment_joints, alignments, origin, capture.poses)
@@ -305,9 +305,9 @@ def _channels(body: Morphology, points: FloatArray, rotations: FloatArray, frame
     totals = [sum(_median_length(seen[:, root + k], seen[:, root + k + 1]) for k in (0, 1)) for root in roots]
     actor = actor_sizes(body, np.array(totals))
     yaw = smoothed_heading(rotations[:, 0], frame_rate)
-    channels = np.zeros((len(points), at.SPINE + 4 * (layout.spine_count - 1)))
+    channels = np.zeros((len(points), channel.SPINE + 4 * (layout.spine_count - 1)))
     do_over_frames(lambda run: encode_frames(points[run], rotations[run], yaw[run], actor, channels[run]), len(points))
-    unwrap_channels(np.array([*at.QUATERNION_COLUMNS, *range(at.SPINE, channels.shape[1], 4)]), channels)
+    unwrap_channels(np.array([*channel.QUATERNION_COLUMNS, *range(channel.SPINE, channels.shape[1], 4)]), channels)
     return channels
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from studio.core.captures.contacts import CONTACT_POINTS, FOOT_POINTS, ContactInterval, ground_contacts
 from studio.core.curves.keyed import KeyedNumber
 from studio.core.curves.retiming import Speed, motion_seconds, playing_seconds
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.normalized.joining import PlanarTransform
 from studio.core.normalized.mirror import mirrored_contacts, mirrored_motion
 from studio.core.normalized.motion import NormalizedMotion
@@ -149,7 +149,7 @@ class PieceSource(ChannelSource):
         offset.
         """
         channels = placed_channels(self.channels(np.array([frame])), first.turn, np.array(first.offset))
-        place = channels[0, at.HIPS : at.HIPS + 2]
+        place = channels[0, channel.HIPS : channel.HIPS + 2]
         c, s = np.cos(own.turn), np.sin(own.turn)
         x, y = place - [c * place[0] - s * place[1], s * place[0] + c * place[1]] + np.array(own.offset)
         return PlanarTransform(own.turn, (float(x), float(y))).after(first)

@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import AnyMorphology, Morphology
 from studio.core.body.pose import PoseSequence
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
+from studio.core.kernels import measure_columns as measure
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import Girdle, NormalizedMotion
 from studio.core.rotations import from_matrix, to_matrix
@@ -35,7 +36,7 @@ def realize_motion(
         motion.channels, motion.spine_places, morphology.rows, actor, float(play), positions, rotations
     )
     if len(morphology.rows) > 1:
-        positions[..., :2] -= _drift(motion.channels[:, at.HIPS : at.HIPS + 2], morphology)[:, None]
+        positions[..., :2] -= _drift(motion.channels[:, channel.HIPS : channel.HIPS + 2], morphology)[:, None]
     return positions, rotations
 
 
@@ -49,16 +50,16 @@ def girdle_of(body: Morphology) -> Girdle:
 def clavicle_proportions(body: AnyMorphology) -> FloatArray:
     """Lengths (F or 1,) of the clavicles relative to half the breadth of the shoulders, which scale their rotations."""
     rows = body.rows
-    lengths = rows[:, at.MEASURE_CLAVICLE : at.MEASURE_CLAVICLE + 2]
-    bases, rests = (np.abs(rows[:, [m + 1, m + 4]]) for m in (at.MEASURE_COLLAR_BASE, at.MEASURE_CLAVICLE_REST))
+    lengths = rows[:, measure.CLAVICLE : measure.CLAVICLE + 2]
+    bases, rests = (np.abs(rows[:, [m + 1, m + 4]]) for m in (measure.COLLAR_BASE, measure.CLAVICLE_REST))
     return np.asarray(lengths.sum(axis=1) / np.maximum((bases + lengths * rests).sum(axis=1), 1e-9))
 
 
 def hip_breadths(body: AnyMorphology) -> FloatArray:
     """Distances (F or 1,) between the hip joints in leg lengths."""
     rows = body.rows
-    apart = np.abs(rows[:, at.MEASURE_HIP_OFFSET + 1] - rows[:, at.MEASURE_HIP_OFFSET + 4])
-    return np.asarray(np.maximum(apart, 1e-9) / (rows[:, at.MEASURE_LEG : at.MEASURE_FOOT].sum(axis=1) / 2.0))
+    apart = np.abs(rows[:, measure.HIP_OFFSET + 1] - rows[:, measure.HIP_OFFSET + 4])
+    return np.asarray(np.maximum(apart, 1e-9) / (rows[:, measure.LEG : measure.FOOT].sum(axis=1) / 2.0))
 
 
 def _drift(hips: FloatArray, morphology: AnyMorphology) -> FloatArray:
@@ -66,7 +67,7 @@ def _drift(hips: FloatArray, morphology: AnyMorphology) -> FloatArray:
 
     A growing body moves by L dx and not d(L x), or its position would depend on its distance from the origin.
     """
-    legs = morphology.rows[:, at.MEASURE_LEG : at.MEASURE_FOOT].sum(axis=1) / 2
+    legs = morphology.rows[:, measure.LEG : measure.FOOT].sum(axis=1) / 2
     steps = (hips[1:] + hips[:-1]) / 2 * np.diff(legs)[:, None]
     return np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
 

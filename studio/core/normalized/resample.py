@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.normalized.differences import (
     ANGLE_CHANNELS,
     BENDS,
@@ -59,7 +59,7 @@ class ResampledMotion:
         own = self.motion.spine_places
         if len(own) == len(self.spine_places) and np.array_equal(own, self.spine_places):
             return np.array(channels)
-        turns = channels[:, at.SPINE :].reshape(len(channels), -1, 4)
+        turns = channels[:, channel.SPINE :].reshape(len(channels), -1, 4)
         turns = np.concatenate([np.tile([0.0, 0.0, 0.0, 1.0], (len(channels), 1, 1)), turns], axis=1)
         places = np.clip(self.spine_places[1:], own[0], own[-1])
         before = np.clip(np.searchsorted(own, places, "right") - 1, 0, len(own) - 2)
@@ -67,7 +67,7 @@ class ResampledMotion:
         low, high = turns[:, before], turns[:, before + 1]
         high = np.where(np.sum(low * high, axis=2, keepdims=True) < 0.0, -high, high)
         spine = normalized((1.0 - share) * low + share * high)
-        return np.concatenate([channels[:, : at.SPINE], spine.reshape(len(channels), -1)], axis=1)
+        return np.concatenate([channels[:, : channel.SPINE], spine.reshape(len(channels), -1)], axis=1)
 
 
 def _splined(channels: FloatArray, rows: FloatArray) -> FloatArray:

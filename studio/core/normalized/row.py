@@ -2,7 +2,7 @@
 body.
 
 Clips change in one frame, at which channels jump; later the body is inertialised on the ground
-(``solver.standing.inertialisation``), where feet are known. Of overlapping frames, up to the first second, the change
+(``solver.grounding.inertialisation``), where feet are known. Of overlapping frames, up to the first second, the change
 is in the frame in which both clips are most alike, so that the same feet stand, and every hit, step or touch keeps its
 time in its clip.
 """
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from studio.core.captures.contacts import FOOT_POINTS, ContactInterval, spans_of
 from studio.core.curves.activation import EaseShape, ease
 from studio.core.curves.retiming import speed_at
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.normalized.differences import channel_difference
 from studio.core.normalized.joining import (
     FOOT_STEP_LIMIT,
@@ -64,7 +64,7 @@ class AssembledRow:
 
     def __post_init__(self) -> None:
         count = self.timing.last + 1
-        self.channels = np.empty((count, at.SPINE + 4 * (len(self.spine_places) - 1)))
+        self.channels = np.empty((count, channel.SPINE + 4 * (len(self.spine_places) - 1)))
         self.contact_mask = np.zeros((len(PIECE_CONTACT_POINTS), count), dtype=bool)
 
     def add(self, piece: MotionPiece) -> None:
@@ -169,7 +169,7 @@ class AssembledRow:
             first = self._most_alike(source, first, min(self.end, last))
             self.placement = self._alignment(source, first, first - 1, first - 1).placement
             there = source.placed(self.placement).channels(np.array([first - 1]))
-            way = float(np.linalg.norm((there[0] - self.channels[first - 1])[at.HIPS : at.HIPS + 2]))
+            way = float(np.linalg.norm((there[0] - self.channels[first - 1])[channel.HIPS : channel.HIPS + 2]))
             self._change(Change(first, source.piece.ease, way > FOOT_STEP_LIMIT, planned=not source.piece.ease))
         self._put(source.placed(self.placement), first, last)
         self.played[-1] = replace(self.played[-1], last=min(self.played[-1].last, first - 1))

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.normalized.differences import OFF_PLANES, SLACKS, channel_difference, turn_columns
 
 FloatArray = NDArray[np.float64]
@@ -126,8 +126,8 @@ def placed_channels(channels: FloatArray, turn: float, offset: FloatArray) -> Fl
     """Channels (F, C) rotated by ``turn`` radians about Z, then moved by ``offset`` (2,) leg lengths."""
     c, s = np.cos(turn), np.sin(turn)
     moved = np.array(channels)
-    x, y = channels[:, at.HIPS], channels[:, at.HIPS + 1]
-    moved[:, at.HIPS] = c * x - s * y + offset[0]
-    moved[:, at.HIPS + 1] = s * x + c * y + offset[1]
-    moved[:, at.YAW] += turn
+    x, y = channels[:, channel.HIPS], channels[:, channel.HIPS + 1]
+    moved[:, channel.HIPS] = c * x - s * y + offset[0]
+    moved[:, channel.HIPS + 1] = s * x + c * y + offset[1]
+    moved[:, channel.YAW] += turn
     return moved

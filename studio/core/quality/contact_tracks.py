@@ -10,10 +10,10 @@ from studio.core.body.morphology import at_frames, sole_rows
 from studio.core.captures.contacts import ContactInterval, ContactPoint
 from studio.core.grounds.ground import Ground
 from studio.core.kernels.support.sole import HEEL_PAD_FRACTION
+from studio.core.solver.grounding.body_support import contact_height, track_of
+from studio.core.solver.grounding.footprints import planes_under, soles_of
+from studio.core.solver.grounding.swing_foot_path import Sole, rounded_ground_height
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.body_support import contact_height, track_of
-from studio.core.solver.standing.footprints import planes_under, soles_of
-from studio.core.solver.standing.swing_foot_path import Sole, worn_height
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -141,5 +141,5 @@ def _standing_foot(
         heading /= np.maximum(np.linalg.norm(heading, axis=1, keepdims=True), 1e-9)
         return _slide(sole + HEEL_PAD_FRACTION * measures[:, 4:5] * heading, normals, stances), heights
     tip = Sole.of(ankle, foot, adapted.rotations[frames, segment + 1], measures).points[:, -1]
-    tips = (tip[:, 2] - worn_height(ground, tip)) * normals[:, 2]
+    tips = (tip[:, 2] - rounded_ground_height(ground, tip)) * normals[:, 2]
     return _slide(_stood_on(toe, tip, normals, stances), normals, stances), np.minimum(heights, tips)

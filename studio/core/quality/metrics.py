@@ -15,11 +15,11 @@ from studio.core.kernels.time.acceleration_peaks import segment_peaks
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.runs import runs_of
+from studio.core.solver.grounding.footing import foot_states
+from studio.core.solver.grounding.grounded_motion import PEAK_CHUNK_FRAMES
+from studio.core.solver.grounding.support_polygon import mass_path, support_margins, support_polygons
+from studio.core.solver.grounding.swing_foot_path import Sole, rounded_ground_height
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.footing import foot_states
-from studio.core.solver.standing.stand import PEAK_RUN
-from studio.core.solver.standing.support_polygon import mass_path, support_margins, support_polygons
-from studio.core.solver.standing.swing_foot_path import Sole, worn_height
 from studio.core.threads import do_over_frames
 
 FloatArray = NDArray[np.float64]
@@ -112,7 +112,7 @@ def point_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
     """
     soles = np.concatenate(_sole_points(adapted), axis=1)
     points = np.concatenate([adapted.positions[:], soles], axis=1)
-    return np.asarray((points[..., 2] - worn_height(ground, points)) * ground.normal_at(points)[..., 2])
+    return np.asarray((points[..., 2] - rounded_ground_height(ground, points)) * ground.normal_at(points)[..., 2])
 
 
 def skate_distances(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
@@ -155,7 +155,7 @@ def _sole_points(adapted: AdaptedMotion) -> FloatArray:
 def _sole_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
     """Heights (2, F, P) in metres of ``_sole_points`` above the ground."""
     points = _sole_points(adapted)
-    return np.asarray(points[..., 2] - worn_height(ground, points))
+    return np.asarray(points[..., 2] - rounded_ground_height(ground, points))
 
 
 def foot_heights(adapted: AdaptedMotion, ground: Ground) -> FloatArray:
@@ -257,8 +257,8 @@ def turning_peaks(motion: AdaptedMotion) -> FloatArray:
     layout = motion.morphology.layout
     parents, peaks = np.full(layout.segment_count, -1), np.empty((layout.segment_count, 2))
     greatest = np.zeros_like(peaks)
-    for first in range(0, max(motion.frame_count - 2, 1), PEAK_RUN):  # all rotations of a long take are large
-        run = np.ascontiguousarray(motion.rotations[first : first + PEAK_RUN + 2])
+    for first in range(0, max(motion.frame_count - 2, 1), PEAK_CHUNK_FRAMES):  # all rotations of a long take are large
+        run = np.ascontiguousarray(motion.rotations[first : first + PEAK_CHUNK_FRAMES + 2])
         segment_peaks(parents, run, motion.frame_rate, peaks)
         greatest = np.maximum(greatest, peaks)
     return greatest[[layout.segment_of_part(part) for part in BodyPart]]

@@ -18,8 +18,8 @@ from studio.core.mesh.volume import usual_volume
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.asking.clearance import arm_distances, rest_clearances
+from studio.core.solver.grounding.footing import foot_states
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.footing import foot_states
 
 FloatArray = NDArray[np.float64]
 

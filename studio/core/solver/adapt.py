@@ -12,15 +12,15 @@ from studio.core.body.morphology import AnimatedMorphology
 from studio.core.compact_array import PoseArray, part_of
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.runs import runs_in
+from studio.core.solver.asking.contact_release import constraint_activations
 from studio.core.solver.asking.lifted_ends import constrained_ends, lift_ends
 from studio.core.solver.asking.measured_residuals import with_residuals_remeasured
 from studio.core.solver.asking.points import point_indices
-from studio.core.solver.asking.releasing import constraint_activations
 from studio.core.solver.asking.tracks import Tracks
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, grounded_motion_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.smoothing.level_smoothing import SMOOTHING_HORIZON
+from studio.core.solver.smoothing.level_smoothing import SMOOTHING_HORIZON_SECONDS
 from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow, SolverLimits
-from studio.core.solver.standing.stand import GroundedMotion, grounded_motion_of
 
 FloatArray = NDArray[np.float64]
 
@@ -34,8 +34,9 @@ def adapt(request: AdaptRequest, first: int = 0, last: int | None = None) -> Ada
 
 
 def grounded_motion(request: AdaptRequest, standing: GroundedMotion | None = None) -> GroundedMotion:
-    """Grounded motion of ``request`` with its corrections below the constraints; ``standing`` is the same without
-    corrections, if known.
+    """Grounded motion of ``request``, including its manual corrections below the constraints.
+
+    ``standing`` is the grounded motion without corrections, if it is known already.
     """
     standing = standing or grounded_motion_of(request)
     if not request.corrections:
@@ -48,7 +49,10 @@ def grounded_motion(request: AdaptRequest, standing: GroundedMotion | None = Non
 def solve_request(
     standing: GroundedMotion, request: AdaptRequest, first: int = 0, last: int | None = None
 ) -> AdaptedMotion:
-    """Adapted motion of ``request`` on its ``grounded_motion`` motion, with its corrections above the constraints."""
+    """Adapted motion of ``request`` on its grounded motion ``standing``, frames ``first`` to ``last`` (both included).
+
+    Includes the manual corrections above the constraints.
+    """
     adapted = solve_constraints(standing, request.constraints, first, last, request.tracks, eased=request.eased)
     if any(each.above for each in request.corrections):
         from studio.core.solver.correction_layer import with_corrections_above
@@ -88,7 +92,7 @@ def solve_constraints(
     asked = [constraint for constraint, active in zip(constraints, acting, strict=True) if active]
     window_of = partial(SolvedWindow, standing, asked, activations[acting], tracks, bound)
     free_ends = 1.0 - constrained_ends(constraints, activations)
-    for run in runs_in(window, acts, math.ceil(2.0 * SMOOTHING_HORIZON * standing.motion.frame_rate)):
+    for run in runs_in(window, acts, math.ceil(2.0 * SMOOTHING_HORIZON_SECONDS * standing.motion.frame_rate)):
         touched = self_contact.affecting_frames(run) if self_contact else run
         solved = _solved(window_of, standing, touched, eased)
         posed = solved.solution(touched)
@@ -104,13 +108,13 @@ def solve_constraints(
 def _solved(
     window_of: Callable[[slice], SolvedWindow], standing: GroundedMotion, touched: slice, eased: bool
 ) -> SolvedWindow:
-    """Solution of the frames ``touched``, with the surrounding frames that affect their smoothing."""
-    seen = standing.around(touched, SMOOTHING_HORIZON if eased else 0.0)
+    """Solved window that contains the frames ``touched`` and all frames that affect their smoothing."""
+    seen = standing.around(touched, SMOOTHING_HORIZON_SECONDS if eased else 0.0)
     solved = window_of(seen)
     solved.solve()
     if eased and solved.may_exceed_peaks and solved.has_smoothed_frames(touched):
         while not is_frame_subset(
-            wide := standing.around(solved.with_smoothing_runs(touched), SMOOTHING_HORIZON), seen
+            wide := standing.around(solved.with_smoothing_runs(touched), SMOOTHING_HORIZON_SECONDS), seen
         ):
             seen = standing.around(wide, 0.5 * (wide.stop - wide.start) / standing.motion.frame_rate)
             solved = window_of(seen)
@@ -120,13 +124,14 @@ def _solved(
 
 
 def is_frame_subset(frames: slice, others: slice) -> bool:
-    """True if all of some frames are among others."""
+    """True if all frames of ``frames`` are among ``others``."""
     return bool(others.start <= frames.start and frames.stop <= others.stop)
 
 
 def _answer(
     standing: GroundedMotion, first: int, positions: PoseArray, rotations: PoseArray, residuals: FloatArray
 ) -> AdaptedMotion:
+    """``AdaptedMotion`` of solved poses that begin at frame ``first``."""
     body = standing.morphology
     return AdaptedMotion(
         morphology=body.first_frame_body,
@@ -143,6 +148,6 @@ def _answer(
 
 
 def body_point_positions(point: BodyPoint, adapted: AdaptedMotion) -> FloatArray:
-    """Positions (F, 3) of a body point in an adapted motion, metres in the motion's space."""
+    """Positions (F, 3) of a body point in an adapted motion, in metres in the motion's space."""
     origin, segment = point_indices(point, adapted.morphology.layout)
     return np.asarray(adapted.positions[:, origin] + adapted.rotations[:, segment] @ np.array(point.offset))

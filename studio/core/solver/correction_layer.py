@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.body.morphology import AnimatedMorphology, at_frames
 from studio.core.curves.activation import LEAST_FULL_ACTIVATION, QUINTIC_PEAK_SLOPE
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.kernels.limbs.legs import required_root_lowering
 from studio.core.kernels.solve_clip import place_frames
 from studio.core.normalized.encode import encode_motion
@@ -24,36 +24,38 @@ from studio.core.project_cache import project_cache
 from studio.core.rotations import from_matrix, from_rotation_vector, inverse, multiply, to_matrix, to_rotation_vector
 from studio.core.runs import runs_of
 from studio.core.solver.asking.measured_residuals import full_residuals
+from studio.core.solver.grounding.contact_blending import RELEASE_SECONDS, release_weight, smooth_drops
+from studio.core.solver.grounding.footing import Footing
+from studio.core.solver.grounding.grounded_motion import GroundedMotion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.solved_window import targets_of
-from studio.core.solver.standing.blends import LET_GO, release_weight, smooth_drops
-from studio.core.solver.standing.footing import Footing
-from studio.core.solver.standing.stand import GroundedMotion
 from studio.core.stage.correction import Correction
 
 FloatArray = NDArray[np.float64]
-Turns = Mapping[int, FloatArray]
-"""Rotation offsets (N, 3, 3) by segment, in the segment's own axes."""
+SegmentRotations = Mapping[int, FloatArray]
+"""Rotations (N, 3, 3) of segments, in the segments' own axes, by segment index."""
 
 
 class PosedFrames(NamedTuple):
-    """Frames of a body: positions of points (N, P, 3) in metres, rotations of segments (N, S, 3, 3)."""
+    """Poses of N frames of a body."""
 
     positions: FloatArray
+    """(N, P, 3) metres."""
     rotations: FloatArray
+    """(N, S, 3, 3) in the world."""
 
 
 FREED_FOOT_SPEED = 2.0
 """Highest speed, metres a second and relative to the motion, at which a foot leaves its contact for a corrected pose
 and comes back: about that of a step.
 """
-LIMB_CHANNELS = slice(at.CLAVICLE, at.HEAD_SHIFT)
-"""Channels of arms and legs: what places limbs on their ends reads them."""
+LIMB_CHANNELS = slice(channel.CLAVICLE, channel.HEAD_SHIFT)
+"""Channels of arms and legs, from which limbs are placed on their ends."""
 
 
 @project_cache(maxsize=4)
 def with_corrections_below(standing: GroundedMotion, corrections: tuple[Correction, ...]) -> GroundedMotion:
-    """Grounded motion with those ``corrections`` that are below the constraints; the same object if there are none."""
+    """Grounded motion with those ``corrections`` that are below the constraints; the same object if none is active."""
     below = tuple(each for each in corrections if not each.above)
     times = standing.motion.times
     acting = np.zeros(len(times), dtype=np.bool_)
@@ -112,8 +114,11 @@ def with_corrections_above(adapted: AdaptedMotion, standing: GroundedMotion, req
     return replace(moved, residuals=np.where(measurable, measured, adapted.residuals))
 
 
-def segment_turns(layout: BodyLayout, turns: Mapping[BodyPart, FloatArray]) -> Turns:
-    """Rotation vectors (N, 3) of segments from those of parts; the abdomen's is divided among the inner vertebrae."""
+def segment_turns(layout: BodyLayout, turns: Mapping[BodyPart, FloatArray]) -> SegmentRotations:
+    """Rotations (N, 3, 3) of segments from rotation vectors (N, 3) of body parts.
+
+    The abdomen's rotation is divided evenly among the inner vertebrae.
+    """
     found: dict[int, FloatArray] = {}
     for part, vectors in turns.items():
         inner = range(1, layout.spine_count - 1) if part is BodyPart.ABDOMEN else ()
@@ -125,9 +130,11 @@ def segment_turns(layout: BodyLayout, turns: Mapping[BodyPart, FloatArray]) -> T
 
 
 def with_segments_turned(
-    layout: BodyLayout, posed: PosedFrames, turns: Turns, shift: FloatArray | None = None
+    layout: BodyLayout, posed: PosedFrames, turns: SegmentRotations, shift: FloatArray | None = None
 ) -> PosedFrames:
-    """Frames with segments turned in their own axes and the root moved by ``shift`` (N, 3) metres."""
+    """Copy of frames with segments rotated in their own axes by ``turns``, and the root moved by ``shift`` (N, 3)
+    metres.
+    """
     positions, rotations, original = posed.positions.copy(), posed.rotations.copy(), posed.positions
     parents, proximal, distal = layout.parent_segments(), layout.proximal_points(), layout.distal_points()
     deltas: list[FloatArray | None] = []
@@ -152,15 +159,16 @@ def with_segments_turned(
 
 
 def _carried(delta: FloatArray | None, vectors: FloatArray) -> FloatArray:
+    """Vectors (N, 3) rotated by ``delta`` (N, 3, 3); unchanged without."""
     return vectors if delta is None else np.asarray((delta @ vectors[..., None])[..., 0])
 
 
 def _posed(
     standing: GroundedMotion, corrections: Sequence[Correction], window: slice, posed: PosedFrames
 ) -> PosedFrames:
-    """Poses of the frames of ``window`` with some corrections, one after the other."""
+    """Poses of the frames of ``window`` with ``corrections`` applied to ``posed``, one after the other."""
     layout, times = standing.morphology.layout, standing.motion.times[window]
-    heading = standing.motion.channels[window, at.YAW]
+    heading = standing.motion.channels[window, channel.YAW]
     for each in corrections:
         fractions = each.fractions(times)[:, None]
         vectors = {
@@ -175,14 +183,14 @@ def _posed(
 
 
 def along_heading(vectors: FloatArray, heading: FloatArray) -> FloatArray:
-    """Vectors (N, 3) given in the axes of a heading (N,) in the axes of the motion's space."""
+    """Vectors (N, 3) in the motion's space from components in the axes of a heading (N,), radians."""
     x, y, z = vectors.T
     c, s = np.cos(heading), np.sin(heading)
     return np.stack([c * x - s * y, s * x + c * y, z], axis=1)
 
 
 def _limb_channels(standing: GroundedMotion, window: slice, posed: PosedFrames) -> FloatArray:
-    """Channels (N, ...) of arms and legs of posed frames."""
+    """Channels (N, n) of arms and legs of posed frames, those of ``LIMB_CHANNELS``."""
     body, rate = standing.morphology, standing.motion.frame_rate
     if not isinstance(body, AnimatedMorphology):
         return np.asarray(encode_motion(posed.positions, posed.rotations, body, rate).channels[:, LIMB_CHANNELS])
@@ -201,7 +209,7 @@ def _release_feet(
     before: PosedFrames,
     posed: PosedFrames,
 ) -> None:
-    """Move targets of ankles, feet and toes with the corrected pose as far as contacts release them, in place."""
+    """Move targets of ankles, feet and toes with the corrected pose, as far as contacts release the feet, in place."""
     layout = standing.morphology.layout
     for side, foot in enumerate((BodyPart.LEFT_FOOT, BodyPart.RIGHT_FOOT)):
         planted = standing.limb_freedoms[2 + side] == 0.0
@@ -225,7 +233,7 @@ def _foot_release(planted: NDArray[np.bool_], window: slice, moved_by: FloatArra
     for first, end in runs_of(~planted):
         needed = QUINTIC_PEAK_SLOPE * float(distances[first:end].max()) / FREED_FOOT_SPEED
         is_swing = first > 0 and end < len(planted)
-        seconds = max(LET_GO, min(needed, (end - first) / (2.0 * frame_rate) if is_swing else needed))
+        seconds = max(RELEASE_SECONDS, min(needed, (end - first) / (2.0 * frame_rate) if is_swing else needed))
         weight = release_weight(planted, frame_rate, seconds)[first:end]
         free[first:end] = weight * min(seconds / needed, 1.0) if needed > 0.0 else weight
     return free[window]
@@ -238,7 +246,7 @@ def _lowering(
     before: PosedFrames,
     posed: PosedFrames,
 ) -> FloatArray:
-    """Additional root lowering (N,) in metres that corrected planted legs need."""
+    """Additional root lowering (N,) in metres that keeps corrected planted legs in reach of their ankles."""
     rows = at_frames(standing.morphology.rows, window)
     states, thresholds = (
         np.ascontiguousarray(each[:, window]) for each in (standing.footing.states, footing.soft_thresholds)

@@ -15,22 +15,23 @@ from studio.core.rotations import from_matrix, from_rotation_vector, shortest_ar
 from studio.core.solver.correction_layer import PosedFrames, segment_turns, with_segments_turned
 
 FloatArray = NDArray[np.float64]
-Turns = dict[BodyPart, FloatArray]
-"""Rotation vectors (3,) of parts, in their own axes."""
+PartRotations = dict[BodyPart, FloatArray]
+"""Rotation vectors (3,) of body parts, in the parts' own axes, radians."""
 
 NEARLY_STRAIGHT = 0.999
-"""Greatest extension of a limb that is pulled, in limb lengths."""
+"""Greatest extension of a limb that is dragged, as a fraction of its length."""
 HEAD_CHAIN, HEAD_ROUNDS = (BodyPart.NECK, BodyPart.THORAX, BodyPart.ABDOMEN), 6
+"""Parts that move the head, from top to bottom, and number of rounds over them."""
 HEAD_GAINS = (0.4, 0.3, 0.6)
-"""Fractions of the remaining rotation that each part of the head's chain makes in a round."""
+"""Fraction of the remaining rotation that each part of ``HEAD_CHAIN`` makes in a round."""
 
 
 def limb_turns(
     layout: BodyLayout, positions: FloatArray, rotations: FloatArray, upper: BodyPart, target: FloatArray
-) -> Turns:
-    """Rotations that bring the end of a limb to ``target`` (3,), or as near as it reaches.
+) -> PartRotations:
+    """Rotations of body parts that bring the end of a limb to ``target`` (3,), or as near as the limb reaches.
 
-    ``upper`` is its upper segment; ``positions`` (P, 3) and ``rotations`` (S, 3, 3) of one frame.
+    ``upper`` is the limb's upper segment; ``positions`` (P, 3) and ``rotations`` (S, 3, 3) are one frame.
     """
     segment = layout.segment_of_part(upper)
     lower, end = layout.part_of_segment(segment + 1), layout.part_of_segment(segment + 2)
@@ -52,7 +53,7 @@ def limb_turns(
     }
 
 
-def head_turns(layout: BodyLayout, positions: FloatArray, rotations: FloatArray, target: FloatArray) -> Turns:
+def head_turns(layout: BodyLayout, positions: FloatArray, rotations: FloatArray, target: FloatArray) -> PartRotations:
     """Rotations of trunk and neck that bring the head's joint towards ``target`` (3,)."""
     found = {part: np.zeros(3) for part in HEAD_CHAIN}
     for _ in range(HEAD_ROUNDS):
@@ -66,19 +67,23 @@ def head_turns(layout: BodyLayout, positions: FloatArray, rotations: FloatArray,
     return found
 
 
-def composed_rotations(turn: Mapping[BodyPart, FloatArray], before: Mapping[BodyPart, FloatArray]) -> Turns:
-    """Rotation vectors of ``before`` followed, in their own axes, by those of ``turn``."""
+def composed_rotations(turn: Mapping[BodyPart, FloatArray], before: Mapping[BodyPart, FloatArray]) -> PartRotations:
+    """Rotation vectors of the rotations ``before`` followed, in the parts' own axes, by those of ``turn``."""
     return {part: to_rotation_vector(_product(before[part], step)) for part, step in turn.items()}
 
 
 def _product(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Quaternion (4,) of two rotations given by rotation vectors (3,): ``first``, followed by ``second`` in its own
+    axes.
+    """
     matrices = to_matrix(from_rotation_vector(np.stack([first, second])))
     return from_matrix(matrices[0] @ matrices[1])
 
 
 def _with(
-    layout: BodyLayout, positions: FloatArray, rotations: FloatArray, turns: Turns
+    layout: BodyLayout, positions: FloatArray, rotations: FloatArray, turns: PartRotations
 ) -> tuple[FloatArray, FloatArray]:
+    """Positions (P, 3) and rotations (S, 3, 3) of a frame with parts rotated by ``turns``."""
     batch = {part: vector[None] for part, vector in turns.items()}
     frame = PosedFrames(positions[None], rotations[None])
     posed = with_segments_turned(layout, frame, segment_turns(layout, batch))
@@ -86,7 +91,9 @@ def _with(
 
 
 def _bend(root: FloatArray, middle: FloatArray, tip: FloatArray, hinge: FloatArray, wanted: float) -> float:
-    """Angle about ``hinge`` through ``middle`` that puts the tip ``wanted`` metres from the root, the smaller one."""
+    """Angle in radians about ``hinge`` through ``middle`` that puts the tip ``wanted`` metres from the root; the
+    smaller one.
+    """
     to_root, to_tip = root - middle, tip - middle
     along = to_tip - (to_tip @ hinge) * hinge
     across = np.cross(hinge, along)
@@ -103,8 +110,10 @@ def _bend(root: FloatArray, middle: FloatArray, tip: FloatArray, hinge: FloatArr
 
 
 def _unit(vector: FloatArray) -> FloatArray:
+    """Unit vector (3,) in the direction of a vector."""
     return np.asarray(vector / max(float(np.linalg.norm(vector)), 1e-9))
 
 
 def _vector(matrix: FloatArray) -> FloatArray:
+    """Rotation vector (3,) of a matrix (3, 3)."""
     return to_rotation_vector(from_matrix(matrix))

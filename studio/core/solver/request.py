@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class AdaptRequest:
-    """One motion to be adapted to one body, with all values on which the result depends.
+    """One motion to be adapted to one body, with all values that determine the result.
 
     An animated morphology has a row of measures for every frame of the motion.
     """
@@ -33,21 +33,23 @@ class AdaptRequest:
     constraints: tuple[Constraint, ...] = ()
     ground: Ground = Ground()
     tracks: Tracks = field(default_factory=dict)
-    """Tracks of all targets beyond the body itself, over all frames of the motion."""
+    """Tracks of all targets outside the body, over all frames of the motion."""
     volume: BodyVolume | None = None
-    """Volume of the body, from its skin; None for the usual volume with its measures."""
+    """Volume of the body, from its skin; None for the typical volume of a body with these measures."""
     actor: Morphology | None = None
-    """Captured body of the motion: where it touches itself, others may."""
+    """Body of the captured actor: where it touches itself, the adapted body may."""
     limited: bool = True
-    """True if constraints keep limb joints within human range, or within the range of the motion itself."""
+    """True if limb joints stay within human range, or within the range of the motion itself, despite constraints."""
     eased: bool = False
-    """True if frames are smoothed in time at acceleration peaks; otherwise each is solved from its own pose alone."""
+    """True if solved frames are smoothed in time at acceleration peaks; otherwise each is solved from its own pose
+    alone.
+    """
     clears: bool = False
-    """True if arms stay out of their own body where the actor's do."""
+    """True if arms stay out of their own body where the actor's arms do."""
     corrections: tuple[Correction, ...] = ()
-    """Manual corrections, their times in seconds of the motion."""
+    """Manual corrections, with times in seconds of the motion."""
     final_tracks: Tracks = field(default_factory=dict)
-    """Tracks of the others of its dependency cycle as solved in the end: residuals are measured by them."""
+    """Final tracks of the other performers of a dependency cycle; residuals are measured against them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,37 +62,39 @@ class UnconstrainedPoses:
 
 @dataclass(frozen=True, eq=False)
 class AdaptedMotion:
-    """Frames from ``first_frame`` on of a motion on one body, in the motion's space (metres, Z up).
-
-    ``positions`` (F, K+23, 3) and ``rotations`` (F, K+18, 3, 3) follow ``canonical.BodyLayout``; ``residuals`` (C, F)
-    has each constraint's residual in its ``unit`` (metres or radians), in the order of the request, NaN where inactive.
-    ``morphology`` of an animated body is its first frame, ``animated`` the whole; ``volume`` is the body's volume, if
-    requested; ``unconstrained`` are the poses before constraints, in results of the solver.
-    """
+    """Frames of an adapted motion on one body, in the motion's space (metres, Z up)."""
 
     morphology: Morphology
+    """Measures of the body; of an animated body, those of its first frame."""
     frame_rate: float
     first_frame: int
+    """Frame of the motion with which the arrays begin."""
     positions: PoseArray
+    """(F, K + 23, 3) points, in the order of ``canonical.BodyLayout``."""
     rotations: PoseArray
+    """(F, K + 18, 3, 3) world rotations of the segments."""
     residuals: FloatArray
+    """(C, F) residual of each constraint of the request in its ``unit`` (metres or radians), NaN where inactive."""
     animated: AnimatedMorphology | None = None
+    """All measures of an animated body, else None."""
     volume: BodyVolume | None = None
+    """Volume of the body, if the request has one."""
     unconstrained: UnconstrainedPoses | None = None
+    """Poses before any constraint, in results of the solver."""
     contacts: tuple[ContactInterval, ...] = ()
-    """Contacts of the solver's result: also those of feet that step where clips take over."""
+    """Contacts in the result, including those of feet that step at transitions between clips."""
     composite: Composite | None = None
-    """Composite of a stage's motion: the clips that play in its frames."""
+    """The clips that play in these frames, for a motion of the stage."""
     passed_constraints: Mapping[float, "AdaptedMotion"] = field(default_factory=dict)
-    """Earlier results of a live stage, by the seconds at which it took or released a prop."""
+    """Earlier results of a live stage, by the seconds at which the performer took or released a prop."""
 
     @property
     def body(self) -> AnyMorphology:
-        """All measures of the body, constant or animated."""
+        """Measures of the body, constant or animated."""
         return self.animated or self.morphology
 
     def morphology_at(self, row: int) -> Morphology:
-        """Measures of the body in one of these frames."""
+        """Measures of the body in row ``row`` of these frames."""
         return self.morphology if self.animated is None else self.animated.at(self.first_frame + row)
 
     @property
@@ -98,7 +102,7 @@ class AdaptedMotion:
         return len(self.positions)
 
     def frames(self, first: int, last: int) -> "AdaptedMotion":
-        """Frames ``first`` to ``last`` of the whole motion, both included, as far as they exist."""
+        """Frames ``first`` to ``last`` of the whole motion, both included, as far as they are in this one."""
         rows = slice(max(first - self.first_frame, 0), last + 1 - self.first_frame)
         return replace(
             self,
@@ -109,5 +113,7 @@ class AdaptedMotion:
         )
 
     def kept(self, store: Callable[[PoseArray], CompactArray] = compact_array) -> "AdaptedMotion":
-        """Copy with poses in half the memory, see ``core.compact_array``; ``store`` chooses where."""
+        """Copy with poses in half the memory (``core.compact_array``); ``store`` compresses an array and chooses its
+        place.
+        """
         return replace(self, positions=store(self.positions), rotations=store(self.rotations))

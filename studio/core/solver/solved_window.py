@@ -1,6 +1,4 @@
-"""A window of a grounded motion with its constraints: packed for the kernels, solved, and smoothed at acceleration
-peaks.
-"""
+"""Constraints on a window of frames of a grounded motion: packed for the kernels, solved, and smoothed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -24,17 +22,19 @@ from studio.core.runs import runs_of
 from studio.core.solver.asking.chains import joints_of_chains, point_masses, relevant_chain, segment_masses
 from studio.core.solver.asking.clearance import activations_by_tier, lowest_first, pack_clearance
 from studio.core.solver.asking.contact_constraints import contact_constraints, release_hands, write_contact_targets
+from studio.core.solver.asking.contact_release import contact_release, is_ramped, ramped_target
 from studio.core.solver.asking.ground_limit import ground_planes, target_above_ground
 from studio.core.solver.asking.kinds.known import ENTERING_KINDS
 from studio.core.solver.asking.limb_availability import arm_limit_fractions, leg_limit_fractions, limb_availability
 from studio.core.solver.asking.packing import pack_tasks, priority_order
-from studio.core.solver.asking.releasing import contact_release, is_ramped, ramped_target
 from studio.core.solver.asking.self_contact import arm_activations
 from studio.core.solver.asking.shared_goals import share_goals
 from studio.core.solver.asking.tracks import OwnPath, Targets, Track, Tracks, raised_along_arms
+from studio.core.solver.grounding.grounded_motion import GroundedMotion
+from studio.core.solver.grounding.support_polygon import mass_path, standing_mask, support_path
 from studio.core.solver.performers.followed_tracks import own_track
 from studio.core.solver.smoothing.level_smoothing import (
-    SMOOTHING_WIDTHS,
+    SMOOTHING_WIDTH_SECONDS,
     LevelNumbers,
     LevelSmoother,
     SolvedArrays,
@@ -42,10 +42,8 @@ from studio.core.solver.smoothing.level_smoothing import (
     SolveNotes,
 )
 from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
-from studio.core.solver.smoothing.root_reach import RootReach
+from studio.core.solver.smoothing.smoothed_root_reach import RootReach
 from studio.core.solver.smoothing.target_motion import target_accelerations
-from studio.core.solver.standing.stand import GroundedMotion
-from studio.core.solver.standing.support_polygon import mass_path, standing_mask, support_path
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -54,7 +52,7 @@ _NONE = np.empty(0)
 
 @dataclass(frozen=True)
 class SolverLimits:
-    """Restrictions of a body beside its constraints."""
+    """Restrictions of a body beside its constraints, each of which may be switched off."""
 
     uses_contacts: bool = True
     uses_joint_limits: bool = True
@@ -65,7 +63,9 @@ ALL_LIMITS = SolverLimits()
 
 
 class SolvedWindow:
-    """Constraints on the frames of ``window``; the result does not depend on the window's width."""
+    """Solver of constraints on a window of frames of a grounded motion. The result does not depend on the window's
+    width.
+    """
 
     def __init__(
         self,
@@ -76,7 +76,9 @@ class SolvedWindow:
         bound: SolverLimits,
         window: slice,
     ) -> None:
-        """``activations`` (C, F) and ``tracks`` of the whole motion; StudioError if a followed target has no track."""
+        """Pack the constraints; ``activations`` (C, F) and ``tracks`` cover the whole motion. StudioError if a target
+        has no track.
+        """
         body, footing = standing.morphology, standing.footing
         self.standing, self.window, self._asked = standing, window, (constraints, activations, tracks, bound)
         self._unsolved = standing.positions[window], standing.rotations[window]
@@ -120,12 +122,14 @@ class SolvedWindow:
         self._body = BodyFrames(measures, masses, self._root_reach, self._legs, limits, fractions, contacts, ground)
 
     def _hand_contacts(self, window: slice) -> NDArray[np.void]:
-        """Contacts of hands (2, F), or (2, 1) of none, for ``kernels.limbs.touching_arms``."""
+        """Records ``HAND_CONTACT`` (2, F) of the hands, or (2, 1) without contacts."""
         contact = self.standing.self_contact
         return np.zeros((2, 1), HAND_CONTACT) if contact is None else contact.hand_contacts(window)
 
     def _lead(self, asked: Sequence[Constraint]) -> tuple[FloatArray, records.TargetArrays]:
-        """Release fractions (C, F) of ramped targets, 1 for others, and all targets at these fractions."""
+        """Release fractions (C, F) of targets that begin at a contact, 1 for others, and all targets at these
+        fractions.
+        """
         fractions, free = np.ones(self._activations.shape), contact_release(asked, self.standing, self.window)
         places = list(self._rows.positions)
         for c, constraint in enumerate(asked, self._held):
@@ -139,7 +143,7 @@ class SolvedWindow:
         return fractions, replace(self._rows, positions=places).stacked_targets
 
     def _find_freedoms(self, activations: FloatArray) -> FloatArray:
-        """Availability (L, n, F) of each redundant limb to the balances of each level, from activations (C, F)."""
+        """Availability (L, n, F) of each redundant limb to the balances of each level, from ``activations`` (C, F)."""
         if not len(self._joints.limbs):
             return np.zeros((0, 0, 1))
         standing, tasks, bound = self.standing, self._rows.tasks[self._held :], self._asked[-1]
@@ -153,15 +157,15 @@ class SolvedWindow:
         return np.ascontiguousarray(free[:, self._joints.limbs])
 
     def solve(self, frames: IntArray | None = None) -> None:
-        """Solve every frame, or some of them (n,), from its own pose."""
+        """Solve all frames of the window, or those with the indices ``frames`` (n,), each from its own pose."""
         self.whole = self._solve_of()
         noting = self.whole.noting
         self._pose(None, noting if frames is None else noting._replace(frames=frames))
 
     @property
     def may_exceed_peaks(self) -> bool:
-        """True if any solved frame may exceed the allowed acceleration peaks of the highest level, the
-        smallest of all.
+        """True if a solved frame may exceed the allowed acceleration peaks of the highest level, which are the
+        smallest.
         """
         highest = int(self._held > 0)
         peaks = self._solve_of(highest).peaks
@@ -171,8 +175,9 @@ class SolvedWindow:
         )
 
     def _hides_peaks(self) -> bool:
-        """True if a level may have acceleration peaks that vanish with lower levels: with self-collision constraints or
-        areas.
+        """True if a level may have acceleration peaks that vanish in the solution of all levels.
+
+        This is possible with self-collision constraints or areas.
         """
         tasks = self._rows.tasks[self._held :]
         several = len(tasks) and tasks["level"][0] < tasks["level"][-1]
@@ -180,17 +185,18 @@ class SolvedWindow:
 
     @cached_property
     def _ranks(self) -> IntArray:
-        """Levels (C + Q,) of all constraints, contacts first, self-collision constraints last."""
+        """Levels (C + Q,) of all constraints, 0 the highest: contacts first, self-collision constraints last."""
         constraints = self._asked[0]
         priorities = [constraints[c].priority for c in self._order + self._clear]
         return np.unique([-1] * self._held + priorities, return_inverse=True)[1]
 
     @property
     def _levels(self) -> int:
+        """Number of levels."""
         return int(self._ranks.max()) + 1
 
     def _pose(self, level: int | None, easing: records.SmoothingRun) -> None:
-        """Solve the constraints down to a ``level``, or all, or pose smoothed frames."""
+        """Solve the constraints down to a ``level``, or all of them, for the frames and states of ``easing``."""
         rows, joints, acts, clearance = self._rows, self._joints, self._activations, self._clearance
         chain, usual = joints.kernel_weights, joints.nominal_weights
         if level is not None:
@@ -209,31 +215,31 @@ class SolvedWindow:
         solve_frames(asked, self._body, motion, clearance, easing, self._missed[: len(rows.tasks)])
 
     def _rank_of(self, level: int) -> int:
-        """Number of solved levels above one, without those of self-collision constraints alone."""
+        """Number of task levels above a ``level``; levels with self-collision constraints alone are not counted."""
         ranks = self._rows.tasks["level"]
         return int(ranks[self._ranks[: len(ranks)] < level].max(initial=-1)) + 1
 
     def _solve_of(self, level: int | None = None) -> SolveNotes:
-        """Notes for a solve down to a ``level``, or of all levels."""
+        """``SolveNotes`` for a solve down to a ``level``, or of all levels."""
         ends, level = self._rows.tasks["limbs"], self._levels - 1 if level is None else level
         ends = ends[self._ranks[: len(ends)] <= level]
         return SolveNotes.of(self.standing, len(self._positions), self._joints.joints, ends, int(self._held > 0))
 
     def _runs(self, window: slice) -> list[tuple[int, int]]:
-        """First and past the last row of each run of frames that are smoothed together and touch ``window``."""
+        """(first, past last) row of each run of frames that are smoothed together and are partly in ``window``."""
         first, last = window.start - self.window.start, window.stop - self.window.start
         return [run for run in runs_of(self._smoothing_weights[-1] > 0.0) if run[0] < last and run[1] > first]
 
     def with_smoothing_runs(self, window: slice) -> slice:
-        """``window`` with all frames that affect its smoothing, as far as they are solved here."""
+        """``window`` extended by all frames that affect its smoothing, as far as they are solved here."""
         first = self.window.start
         begins, ends = zip((window.start - first, window.stop - first), *self._runs(window), strict=True)
         return slice(first + min(begins), first + max(ends))
 
     def smooth_runs(self, window: slice) -> None:
-        """Smooth acceleration peaks in ``window``, each run of frames by itself."""
+        """Smooth acceleration peaks in ``window``, each run of smoothed frames by itself."""
         margin, first = self._smoothing_weights[-1], self.window.start
-        beyond = round(max(SMOOTHING_WIDTHS) * self.standing.motion.frame_rate)
+        beyond = round(max(SMOOTHING_WIDTH_SECONDS) * self.standing.motion.frame_rate)
         for begin, end in self._runs(window):
             wide = slice(max(begin - beyond, 0), min(end + beyond, len(margin)))
             frames = slice(first + wide.start, first + wide.stop)
@@ -251,7 +257,9 @@ class SolvedWindow:
 
     @cached_property
     def _smoothing_weights(self) -> FloatArray:
-        """Smoothing weights (L, F) of the levels near peaks of their own or of higher levels; 0 for contacts."""
+        """Smoothing weights (L, F) of the levels, near acceleration peaks of their own or of higher levels; 0 for
+        contacts.
+        """
         levels, near = self._solved_levels, np.zeros(len(self._positions))
         rooms = np.zeros((len(levels), len(near)))
         for number in range(int(self._held > 0), len(levels)):
@@ -261,7 +269,7 @@ class SolvedWindow:
 
     @cached_property
     def _solved_levels(self) -> list[SolvedLevel]:
-        """Every level solved with those above it alone; the last is solved already."""
+        """Solution of each level together with those above it alone. That of the last level is known already."""
         last = self._level(self._levels - 1, self.whole)
         levels = []
         for number in range(self._levels - 1):
@@ -276,7 +284,7 @@ class SolvedWindow:
         return [*levels, last]
 
     def _level(self, number: int, solve: SolveNotes) -> SolvedLevel:
-        """The level that was just solved."""
+        """``SolvedLevel`` of the level that was solved last."""
         down = self._ranks <= number
         fractions = [*self._activations, *(self._clearance.activations if self._clear else ())][self._held :]
         acting, ranks = np.reshape(fractions, (-1, len(self._positions))) > 0.0, self._ranks[self._held :]
@@ -287,14 +295,13 @@ class SolvedWindow:
         return SolvedLevel(solve, solved, above, LevelNumbers(self._rank_of(number), clears), acts, own, allowed)
 
     def _brings_of(self, down: NDArray[np.bool_]) -> FloatArray:
-        """Angular accelerations (F,) in rad/s2 brought by the targets of the constraints ``down`` (C + Q,)
-        to a level.
-        """
+        """Angular accelerations (F,) in rad/s2 that moving targets of the constraints ``down`` (C + Q,) cause."""
         push, edges = self._brings[:, down[: len(self._activations)]]
         return np.asarray(push.sum(axis=0) + edges.max(axis=0, initial=0.0))
 
     @cached_property
     def _brings(self) -> FloatArray:
+        """Angular accelerations (2, C, F) in rad/s2 that targets cause by their motion, and by their activation."""
         return target_accelerations(
             self._rows,
             self._held,
@@ -305,6 +312,7 @@ class SolvedWindow:
         )
 
     def _ease(self, levels: Sequence[SolvedLevel], rooms: FloatArray) -> None:
+        """Smooth all ``levels`` with the smoothing weights ``rooms`` (L, F), in the arrays of this window."""
         measures, limits, ankles = self._body.measures, self._body.limits, self._legs.ankles
         layout = self.standing.morphology.layout
         root_reach = RootReach.of(self.standing.positions[self.window], measures, layout, ankles, self._root_reach)
@@ -313,18 +321,21 @@ class SolvedWindow:
 
     @property
     def _solved(self) -> SolvedArrays:
+        """Arrays into which the kernels write."""
         cleared = self._unsolved if self._clear else (_NONE, _NONE)
         return SolvedArrays(self._positions, self._rotations, self._missed.T, *cleared)
 
     def arm_activations(self, window: slice) -> FloatArray:
-        """Activations (F, 2, 2) of constraints and contacts on the wrist, and the elbow, of each arm in some frames."""
+        """Activations (F, 2, 2) of constraints and contacts on wrist and elbow of each arm, in the frames of
+        ``window``.
+        """
         rows, standing = slice(window.start - self.window.start, window.stop - self.window.start), self.standing
         asked = arm_activations(self._rows.tasks, self._activations[:, rows], standing.morphology)
         asked[:, :, 0] = np.maximum(asked[:, :, 0], 1.0 - standing.limb_freedoms[:2, window].T)
         return asked
 
     def solution(self, window: slice) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Positions, rotations and residuals of some frames."""
+        """Positions, rotations and residuals of the frames of ``window``."""
         standing = self.standing
         if standing.arms is not None:
             rate, channels = standing.motion.frame_rate, standing.motion.channels[self.window]
@@ -337,10 +348,10 @@ class SolvedWindow:
 
     @property
     def residuals(self) -> FloatArray:
-        """Residuals (C, F), metres or radians, in the given order of constraints.
+        """Residuals (C, F) in the given order of constraints, metres or radians.
 
-        The depth by which a target was raised counts at right angles to what is left to the raised target: only that
-        is held against lower constraints, not the distance to the target in the ground.
+        A target below the ground was raised to it. The distance by which it was raised is added at right angles to the
+        residual of the raised target, because only the latter is held against lower constraints.
         """
         residuals = np.empty((len(self._order) + len(self._clear), len(self._positions)))
         residuals[self._order + self._clear] = self._missed[self._held :]
@@ -349,7 +360,7 @@ class SolvedWindow:
 
 
 def targets_of(standing: GroundedMotion, constraints: Sequence[Constraint], window: slice, tracks: Tracks) -> Targets:
-    """Targets of the constraints that are known before solving."""
+    """Evaluation of the constraints' targets in the frames of ``window``, as far as they are known before solving."""
     motion, body = standing.motion, standing.morphology.first_frame_body
     known: dict[Follow | OwnPlace | Support, Track] = {}
     for constraint in constraints:

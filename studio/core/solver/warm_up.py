@@ -1,4 +1,4 @@
-"""Compilation of all kernels, or loading them from the cache, in advance."""
+"""Trial calls that compile all kernels, or load them from the cache, in advance."""
 
 import numpy as np
 
@@ -14,43 +14,45 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
 from studio.core.grounds.ground import Ground
 from studio.core.grounds.surface_mesh import SurfaceMesh
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.kernels.records import SEARCH_JOINT
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.adapt import adapt, solve_constraints
 from studio.core.solver.asking.area_rows import nearest_allowed_position
-from studio.core.solver.asking.releasing import constraint_activations
+from studio.core.solver.asking.contact_release import constraint_activations
+from studio.core.solver.grounding.contact_blending import smooth_drops
+from studio.core.solver.grounding.footing import Footing
+from studio.core.solver.grounding.grounded_motion import GroundedMotion, grounded_motion_of
+from studio.core.solver.grounding.pelvis_tilt import tilt_pelvis_to_feet
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.level_smoothing import SolveNotes
 from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
 from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow
-from studio.core.solver.standing.blends import smooth_drops
-from studio.core.solver.standing.footing import Footing
-from studio.core.solver.standing.obliquity import dip_pelvis
-from studio.core.solver.standing.stand import GroundedMotion, grounded_motion_of
 
 WARM_UP_FRAMES = 4
 WARM_UP_POINT = BodyPoint(BodyPart.LEFT_HAND)
 WARM_UP_ACTIVATION = ActivationCurve(0.0, 0.0, 1.0, 1.0)
-TRIANGLE = TriangleMesh(np.array(((0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1))), np.array([[0, 1, 2]]))
-"""Positions in metres of a mesh for trial calls."""
+WARM_UP_MESH = TriangleMesh(np.array(((0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1))), np.array([[0, 1, 2]]))
+"""Mesh of one triangle for trial calls, positions in metres."""
 
 
 def warm_up(morphology: Morphology) -> AdaptedMotion:
-    """Adapt four still frames to ``morphology`` with a contact and a constraint: the kernels of most scenes."""
+    """Adapt four still frames to ``morphology`` with a contact and a constraint, to compile the kernels of most
+    scenes.
+    """
     contact = ContactInterval("warm-up", ContactPoint.LEFT_TOE, 0, WARM_UP_FRAMES - 1)
     warm_up_easing(morphology)
     return adapt(AdaptRequest(_still_motion(), morphology, (contact,), (_reach(),)))
 
 
 def warm_up_grounded_motion(morphology: Morphology) -> GroundedMotion:
-    """The part of ``warm_up`` before constraints, a third of it."""
+    """Ground four still frames, to compile the kernels used before constraints, a third of ``warm_up``."""
     return grounded_motion_of(AdaptRequest(_still_motion(), morphology))
 
 
 def warm_up_easing(morphology: Morphology) -> None:
-    """Call the kernels of smoothing."""
+    """Call the kernels of smoothing on four still frames, to compile them."""
     charts = LimbCoordinates(
         morphology.layout, np.stack([rest_pose(morphology)[1]] * WARM_UP_FRAMES), limb_limit_records(morphology)
     )
@@ -61,7 +63,7 @@ def warm_up_easing(morphology: Morphology) -> None:
 
 
 def warm_up_constraints(morphology: Morphology) -> AdaptedMotion:
-    """The part of ``warm_up`` with constraints."""
+    """Solve constraints on four still frames, to compile the kernels of the search."""
     return solve_constraints(_placed(morphology), (_reach(),))
 
 
@@ -79,40 +81,46 @@ def _placed(morphology: Morphology) -> GroundedMotion:
 
 
 def warm_up_support(morphology: Morphology) -> GroundedMotion:
-    """Call the kernels of hands, knees and seat in contact, hand contacts, and feet out of reach."""
+    """Ground four still frames with hands, knees and seat in contact, hand contacts, and feet out of reach, to compile
+    those kernels.
+    """
     points = ContactPoint.LEFT_TOE, ContactPoint.LEFT_HAND, ContactPoint.LEFT_KNEE, ContactPoint.SEAT
     touches = Touch.HANDS_TOGETHER, Touch.LEFT_HAND_ON_TRUNK
     contacts = tuple(ContactInterval("warm-up", point, 1, 2) for point in (*points, *touches))
-    ground = SurfaceMesh(vertices=TRIANGLE.vertices, triangles=TRIANGLE.triangles)
+    ground = SurfaceMesh(vertices=WARM_UP_MESH.vertices, triangles=WARM_UP_MESH.triangles)
     smooth_drops(np.full(WARM_UP_FRAMES, 0.1), 30.0)
     pose = (np.stack([each] * WARM_UP_FRAMES) for each in rest_pose(morphology))
-    dip_pelvis(np.zeros((2, WARM_UP_FRAMES, 3)), np.ones((2, WARM_UP_FRAMES), np.int64), morphology, 30.0, *pose)
+    tilt_pelvis_to_feet(
+        np.zeros((2, WARM_UP_FRAMES, 3)), np.ones((2, WARM_UP_FRAMES), np.int64), morphology, 30.0, *pose
+    )
     return grounded_motion_of(
         AdaptRequest(_still_motion(), morphology, contacts, (), ground, actor=morphology, clears=True)
     )
 
 
 def warm_up_seldom(morphology: Morphology) -> None:
-    """Call the kernels of rare kinds of constraint: self-collision and mesh areas."""
+    """Pack rare kinds of constraint, self-collision and mesh areas, to compile their kernels."""
     what = "warm-up", "", WARM_UP_POINT, Chain(), 0, WARM_UP_ACTIVATION
-    asked = ClearConstraint(*what), AreaConstraint(*what, shape=AreaShape.MESH, mesh=TRIANGLE)
+    asked = ClearConstraint(*what), AreaConstraint(*what, shape=AreaShape.MESH, mesh=WARM_UP_MESH)
     standing = warm_up_support(morphology)
     SolvedWindow(standing, asked, constraint_activations(asked, standing), {}, ALL_LIMITS, slice(0, WARM_UP_FRAMES))
     nearest_allowed_position(asked[1], np.zeros(3))  # the window draws it
 
 
 def _still_motion() -> NormalizedMotion:
-    channels = np.zeros((WARM_UP_FRAMES, at.SPINE + 4))
-    channels[:, at.HIPS + 2] = 0.9
-    for column in at.QUATERNION_COLUMNS:
+    """Normalised motion of four still frames."""
+    channels = np.zeros((WARM_UP_FRAMES, channel.SPINE + 4))
+    channels[:, channel.HIPS + 2] = 0.9
+    for column in channel.QUATERNION_COLUMNS:
         channels[:, column + 3] = 1.0
-    channels[:, at.SPINE + 3] = 1.0
-    channels[:, at.LIMB_SLACK : at.LIMB_SLACK + 4] = 0.05
-    channels[:, at.LIMB_BEND : at.LIMB_BEND + 4] = 1.0
+    channels[:, channel.SPINE + 3] = 1.0
+    channels[:, channel.LIMB_SLACK : channel.LIMB_SLACK + 4] = 0.05
+    channels[:, channel.LIMB_BEND : channel.LIMB_BEND + 4] = 1.0
     return NormalizedMotion("warm-up", 30.0, channels, np.array([0.0, 1.0]))
 
 
 def _reach() -> PositionConstraint:
+    """Position constraint of a hand."""
     return PositionConstraint(
         "warm-up",
         "Reach",

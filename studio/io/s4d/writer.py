@@ -16,7 +16,7 @@ from studio import __version__
 from studio.core.captures.annotations import Annotations
 from studio.core.captures.capture import Capture
 from studio.core.captures.contacts import CONTACT_POINTS, ContactInterval
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from studio.core.normalized.actor import SourceRig
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import from_matrix
@@ -36,7 +36,7 @@ RECORD_MEMBER, CHANNELS_MEMBER, ROTATIONS_MEMBER, TRANSLATIONS_MEMBER = (
 
 NUMBER_STEP = 2.0**-17
 """Quantum of stored numbers: 8 micrometres, or 0.0004 degrees, so that float32 numbers compress well."""
-_UNROUNDED = slice(at.LIMB_SLACK, at.LIMB_OFF_PLANE + 4)
+_UNROUNDED = slice(channel.LIMB_SLACK, channel.LIMB_OFF_PLANE + 4)
 """Columns of channels whose square root determines elbow and knee of a straight limb: stored as unrounded float32."""
 _STILL = 1e-9
 

@@ -12,7 +12,7 @@ from studio.core.errors import StudioError
 from studio.core.mesh.appearance import Material
 from studio.core.names import readable_name
 from studio.core.rotations import from_matrix, sign_continuous
-from studio.core.solver.performers.performing import Performance
+from studio.core.solver.performers.staged_performances import Performance
 from studio.core.stage.placement import Placement
 from studio.core.stage.project import Project
 from studio.core.stage.prop import Prop

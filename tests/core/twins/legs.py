@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from studio.core.body.morphology import Morphology
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
 from tests.core.twins.limb import place_limb, soft_reach
 from tests.core.twins.rotation import from_quaternion, shortest_arc
 
@@ -37,7 +37,7 @@ def place_leg(
     apart = stance.ankle - hip
     distance, length = np.linalg.norm(apart), body.leg[side].sum()
     limb = 2 + side
-    frame = pelvis @ from_quaternion(row[at.LIMB_FRAME + 4 * limb : at.LIMB_FRAME + 4 * limb + 4])
+    frame = pelvis @ from_quaternion(row[channel.LIMB_FRAME + 4 * limb : channel.LIMB_FRAME + 4 * limb + 4])
     aimed = shortest_arc(frame[:, 2], apart / distance) @ frame
     stretch = max(
         length * soft_reach(distance / length, stance.comfort), abs(body.leg[side, 0] - body.leg[side, 1]) + 1e-6
@@ -47,9 +47,9 @@ def place_leg(
         aimed,
         stretch,
         (body.leg[side, 0], body.leg[side, 1]),
-        row[at.LIMB_OFF_PLANE + limb] * length,
+        row[channel.LIMB_OFF_PLANE + limb] * length,
         1.0,
-        row[at.LIMB_TWIST + 2 * limb : at.LIMB_TWIST + 2 * limb + 2],
+        row[channel.LIMB_TWIST + 2 * limb : channel.LIMB_TWIST + 2 * limb + 2],
     )
     ball = reached + stance.foot @ body.foot[side]
     points = np.array([hip, knee, reached, ball, ball + stance.toe @ body.toe[side]])

@@ -25,7 +25,7 @@ def rotation_from_quaternion(quaternions, first):
 
 @small_kernel
 def rotation_from_vector(x, y, z):
-    """Rotation of a rotation vector (radians), by its half-angle quaternion."""
+    """Rotation tuple of a rotation vector (radians), by its half-angle quaternion."""
     angle = math.sqrt(x * x + y * y + z * z)
     sine, cosine = sine_and_cosine(0.5 * angle)
     k = sine / angle if angle > 1e-9 else 0.5
@@ -34,7 +34,7 @@ def rotation_from_vector(x, y, z):
 
 @kernel
 def rotation_vector(rotation):
-    """Rotation vector (x, y, z), radians, of a rotation, by its quaternion: stable up to half a turn."""
+    """Rotation vector (x, y, z) in radians of a rotation tuple, by its quaternion: stable up to half a turn."""
     trace = rotation[0] + rotation[4] + rotation[8]
     if trace > 0.0:
         w = 0.5 * math.sqrt(1.0 + trace)
@@ -65,7 +65,7 @@ def rotation_vector(rotation):
 
 @small_kernel
 def rotation_from_gibbs(x, y, z):
-    """Rotation of a Gibbs vector, axis times tan(angle / 2), without sine or cosine."""
+    """Rotation tuple of a Gibbs vector, axis times tan(angle / 2), without sine or cosine."""
     k = 2.0 / (1.0 + x * x + y * y + z * z)
     kx, ky, kz = k * x, k * y, k * z
     xy, xz, yz = kx * y, kx * z, ky * z
@@ -96,7 +96,7 @@ def write_rotation(rotation, out_matrix):
 
 @small_kernel
 def compose(a, b):
-    """Product a b: rotation ``b`` first, then ``a``."""
+    """Rotation tuple of the product a b: rotation ``b`` first, then ``a``."""
     return (
         a[0] * b[0] + a[1] * b[3] + a[2] * b[6],
         a[0] * b[1] + a[1] * b[4] + a[2] * b[7],
@@ -112,19 +112,19 @@ def compose(a, b):
 
 @small_kernel
 def inverse_rotation(a):
-    """Inverse (transpose) of a rotation."""
+    """Inverse (transpose) of a rotation tuple."""
     return a[0], a[3], a[6], a[1], a[4], a[7], a[2], a[5], a[8]
 
 
 @small_kernel
 def relative_rotation(parent, segment):
-    """Rotation of a segment in the axes of its parent, from their matrices (3, 3)."""
+    """Rotation tuple of a segment in the axes of its parent, from their world rotations (3, 3)."""
     return compose(inverse_rotation(rotation_from_matrix(parent)), rotation_from_matrix(segment))
 
 
 @small_kernel
 def transform_point(origin, rotation, x, y, z):
-    """Point ``origin`` + ``rotation`` (x, y, z)."""
+    """Point (x', y', z') = ``origin`` + ``rotation`` (x, y, z)."""
     return (
         origin[0] + rotation[0] * x + rotation[1] * y + rotation[2] * z,
         origin[1] + rotation[3] * x + rotation[4] * y + rotation[5] * z,
@@ -134,7 +134,7 @@ def transform_point(origin, rotation, x, y, z):
 
 @small_kernel
 def write_transformed_point(origin, rotation, x, y, z, out_point):
-    """Write the point of ``transform_point`` into ``out_point`` (3,) and return it."""
+    """Write the point ``origin`` + ``rotation`` (x, y, z) into ``out_point`` (3,) and return it."""
     position = transform_point(origin, rotation, x, y, z)
     out_point[0], out_point[1], out_point[2] = position
     return position
@@ -176,7 +176,7 @@ def rotation_by_pi(x, y, z):
 
 @small_kernel
 def rotation_about_axis(axis, cosine, sine):
-    """Rotation about a unit axis (3,) by the angle with that cosine and sine (Rodrigues)."""
+    """Rotation tuple about a unit axis (3,) by an angle given by its ``cosine`` and ``sine`` (Rodrigues)."""
     x, y, z = axis[0], axis[1], axis[2]
     k = 1.0 - cosine
     xy, xz, yz = k * x * y, k * x * z, k * y * z
@@ -189,7 +189,7 @@ def rotation_about_axis(axis, cosine, sine):
 
 @small_kernel
 def rotation_with_z_axis(x, y, z):
-    """Rotation with the unit z axis (x, y, z) and its x axis as near to world X as possible."""
+    """Rotation tuple with the unit z axis (x, y, z) and its x axis as near to world X as possible."""
     a, b, c = 1.0 - x * x, -x * y, -x * z
     length = math.sqrt(a * a + b * b + c * c)
     if length < 1e-6:

@@ -1,4 +1,4 @@
-"""Smooth transitions of one number."""
+"""Smooth step and smooth lower bound of one number."""
 
 from studio.core.kernels.compiling import kernel
 

@@ -11,7 +11,7 @@ ZERO_VECTOR = 0.0, 0.0, 0.0
 
 @small_kernel
 def distance(a, b):
-    """Metres between two points (3,)."""
+    """Distance of two points (3,), in their unit."""
     return math.sqrt((a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2)
 
 
@@ -41,13 +41,13 @@ def add_vectors(a, b):
 
 @small_kernel
 def copy_point(a, out_point):
-    """Copy a point (3,)."""
+    """Copy the point ``a`` (3,) into ``out_point``."""
     out_point[0], out_point[1], out_point[2] = a[0], a[1], a[2]
 
 
 @small_kernel
 def copy_matrix(a, out_matrix):
-    """Copy a matrix (3, 3)."""
+    """Copy the matrix ``a`` (3, 3) into ``out_matrix``."""
     for row in range(3):
         for column in range(3):
             out_matrix[row, column] = a[row, column]
@@ -55,7 +55,7 @@ def copy_matrix(a, out_matrix):
 
 @kernel
 def copy_points(a, out_points):
-    """Copy points (N, 3)."""
+    """Copy the points ``a`` (N, 3) into ``out_points``."""
     for row in range(a.shape[0]):
         copy_point(a[row], out_points[row])
 

@@ -1,20 +1,22 @@
-"""Joint poses from the channels of a motion file: positions, and rotations about one axis after the other."""
+"""Joint poses from the channels of a motion file: positions, and Euler rotations in the order of the channels."""
 
 import math
 
 from studio.core.kernels.compiling import kernel
 
 IGNORED_CHANNEL, POSITION_CHANNEL, ROTATION_CHANNEL = 0, 1, 2
-"""Kinds of channels."""
+"""Kinds of channels of a motion file."""
 
 
 @kernel
-def pose_joints(numbers, joints, deeds, axes, starts, offsets, out_rotations, out_translations):
-    """Local quaternions (N, J, 4) and translations (N, J, 3) from ``numbers`` (N, C), lengths and degrees.
+def pose_joints(numbers, joints, kinds, axes, starts, offsets, out_rotations, out_translations):
+    """Write local quaternions (N, J, 4) and translations (N, J, 3) of joints from channel ``numbers`` (N, C), in
+    degrees and the file's unit of length.
 
-    ``joints``, ``deeds`` and ``axes`` (C,) give each channel's joint, kind and axis from 0 to 2; ``starts`` (J, 3) is
-    added to positions, ``offsets`` (J, 3) is the translation of joints without position channels. Each rotation is
-    about an axis that the rotations before it have rotated: the matrix of channels Z, X, Y is R_Z R_X R_Y.
+    ``joints``, ``kinds`` and ``axes`` (C,) give each channel's joint, kind (``ROTATION_CHANNEL`` ...) and axis from 0
+    to 2; ``starts`` (J, 3) is added to positions, ``offsets`` (J, 3) is the translation of joints without position
+    channels. Each rotation is about an axis that the rotations before it have rotated: the matrix of channels Z, X, Y
+    is R_Z R_X R_Y.
     """
     for frame in range(numbers.shape[0]):
         for joint in range(offsets.shape[0]):
@@ -24,9 +26,9 @@ def pose_joints(numbers, joints, deeds, axes, starts, offsets, out_rotations, ou
             out_rotations[frame, joint, 3] = 1.0
         for channel in range(numbers.shape[1]):
             joint, axis, number = joints[channel], axes[channel], numbers[frame, channel]
-            if deeds[channel] == POSITION_CHANNEL:
+            if kinds[channel] == POSITION_CHANNEL:
                 out_translations[frame, joint, axis] = starts[joint, axis] + number
-            elif deeds[channel] == ROTATION_CHANNEL:
+            elif kinds[channel] == ROTATION_CHANNEL:
                 rotate_quaternion_about_axis(axis, 0.5 * math.radians(number), out_rotations[frame, joint])
 
 
@@ -44,10 +46,10 @@ def rotate_quaternion_about_axis(axis, half, quaternion):
 
 @kernel
 def change_axes(rotations, translations, rotation, metres, out_rotations, out_translations):
-    """Rotations C R C^T (N, J, 4) and translations C t ``metres`` (N, J, 3) after a change of basis by C ``rotation``
-    (3, 3).
+    """Write joint poses after a change of basis by C, ``rotation`` (3, 3): rotations C R C^T (N, J, 4) and translations
+    C t ``metres`` (N, J, 3).
 
-    ``metres`` are the metres in a unit. The change rotates the axis of each quaternion.
+    ``metres`` is the length of one unit. The change of basis rotates the axis of each quaternion.
     """
     for frame in range(rotations.shape[0]):
         for joint in range(rotations.shape[1]):

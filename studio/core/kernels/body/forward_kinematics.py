@@ -18,9 +18,10 @@ def joint_world(
     out_positions: FloatArray,
     out_rotations: FloatArray,
 ) -> None:
-    """Write world positions (F, J, 3) and rotations (F, J, 3, 3) of joints sorted after their parents.
+    """Write world positions (F, J, 3) and rotations (F, J, 3, 3) of joints from their local poses.
 
-    R_j = R_parent Q_j and p_j = p_parent + R_parent t_j, with Q the matrix of the unit quaternion xyzw.
+    R_j = R_parent Q_j and p_j = p_parent + R_parent t_j, with Q the matrix of the unit quaternion xyzw. ``parents``
+    (J,) is -1 for a root; parents come before their children.
     """
     local = np.empty((3, 3))
     for frame in range(local_rotations.shape[0]):

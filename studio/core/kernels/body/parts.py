@@ -1,5 +1,5 @@
-"""Rotating and moving parts of a posed body. Everything distal to a segment is one range of points and one
-of segments.
+"""Rotation and translation of parts of a posed body. Everything distal to a segment is one range of points and one of
+segments.
 """
 
 from typing import NamedTuple
@@ -30,8 +30,9 @@ from studio.core.kernels.compiling import kernel, small_kernel
 
 @kernel
 def distal_range(segment, spine_count):
-    """(first segment, past last, first point, past last) of the subtree of ``segment``, which rotates about its
-    proximal point.
+    """(first segment, past last segment, first point, past last point) of the subtree that rotates with ``segment``.
+
+    The proximal point of the segment, about which it rotates, is not included.
     """
     if segment < spine_count:
         if segment == 0:
@@ -94,18 +95,19 @@ def body_point_position(point, segment, offset, positions, rotations):
 
 
 class EndPose(NamedTuple):
-    """World pose of a hand, or of foot and toe."""
+    """World rotations and extent of a hand, or of foot and toe."""
 
-    turn: RotationTuple
-    toe_turn: RotationTuple
+    rotation: RotationTuple
+    toe_rotation: RotationTuple
     tip: Point
-    """Offset in metres from wrist or ankle to the end of the hand or the beginning of the toe."""
+    """Offset in metres from wrist or ankle to the tip of the hand or the toe joint."""
     toe_tip: Point
+    """Offset in metres from the wrist or the ankle to the tip of the toe."""
 
 
 @small_kernel
 def end_pose(limb, pose):
-    """World pose of the hand, or of foot and toe, of a limb."""
+    """``EndPose`` of the hand, or of foot and toe, of a limb."""
     positions, rotations = pose.positions, pose.rotations
     _, upper, root = limb_parts(limb, positions.shape[0] - POINTS_BESIDE_SPINE)
     end, toe, joint = upper + 2, upper + (3 if limb >= 2 else 2), root + 2
@@ -119,14 +121,14 @@ def end_pose(limb, pose):
 
 @small_kernel
 def restore_end(limb, end, pose):
-    """Write the world pose ``end`` of a hand, or of foot and toe, back at the present wrist or ankle."""
+    """Write the world pose ``end`` of a hand, or of foot and toe, back, beginning at the present wrist or ankle."""
     positions, rotations = pose.positions, pose.rotations
     _, upper, root = limb_parts(limb, positions.shape[0] - POINTS_BESIDE_SPINE)
     joint = positions[root + 2]
-    write_rotation(end.turn, rotations[upper + 2])
+    write_rotation(end.rotation, rotations[upper + 2])
     copy_point(add_vectors(joint, end.tip), positions[root + 3])
     if limb >= 2:
-        write_rotation(end.toe_turn, rotations[upper + 3])
+        write_rotation(end.toe_rotation, rotations[upper + 3])
         copy_point(add_vectors(joint, end.toe_tip), positions[root + 4])
 
 

@@ -1,4 +1,4 @@
-"""Quaternions of poses, as a ``PoseSequence`` holds them."""
+"""Normalisation of the quaternions of a ``PoseSequence``."""
 
 import math
 
@@ -7,9 +7,7 @@ from studio.core.kernels.compiling import kernel
 
 @kernel
 def normalize_quaternions(quaternions):
-    """Normalise quaternions (F, J, 4) of any positive length, each with the sign nearer to the frame
-    before, in place.
-    """
+    """Normalise quaternions (F, J, 4), in place, and give each the sign nearer to that of the frame before."""
     for frame in range(quaternions.shape[0]):
         for joint in range(quaternions.shape[1]):
             size, dot = 0.0, 0.0

@@ -7,7 +7,7 @@ from studio.core.kernels.compiling import allocating_kernel, kernel
 
 @allocating_kernel
 def segment_motions(rest_rotations, rest_origins, rotations, origins, out_motions):
-    """Each segment's motion from rest as (S, 16): matrix (9), translation (3), quaternion x, y, z, w (4).
+    """Write the motion of each segment from rest as (S, 16): matrix (9), translation (3), quaternion x, y, z, w (4).
 
     R = R' R_rest^T, t = o' - R o; the quaternion by the largest of its four components (Shepperd 1978).
     """

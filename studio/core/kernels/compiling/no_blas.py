@@ -1,4 +1,4 @@
-"""Skips numba's search for a BLAS before it runs any kernel: SciPy's linear algebra takes a fifth of a second to load.
+"""Disables numba's search for a BLAS before any kernel runs: loading SciPy's linear algebra takes a fifth of a second.
 
 No kernel multiplies matrices by a BLAS.
 """

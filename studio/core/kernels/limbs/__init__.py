@@ -1,1 +1,1 @@
-"""Limbs in closed form."""
+"""Inverse kinematics of arms and legs in closed form."""

@@ -1,4 +1,4 @@
-"""Arms and legs as links of variable length: closed forms (METHOD 3)."""
+"""Arms and legs as two bones between a root and an end at variable distance, in closed form (METHOD 3)."""
 
 import math
 
@@ -12,16 +12,16 @@ from studio.core.kernels.algebra.rotation_tuples import (
 from studio.core.kernels.compiling import kernel, small_kernel
 
 SOFT_IK_THRESHOLD = 0.97
-"""Fractions of its length up to which a limb extends freely (METHOD (11)): with help of trunk or root, or of a leg in
-the air; and without help, or of a standing leg.
+"""Fraction of its length up to which a limb extends freely (METHOD (11)) if trunk or root may help it, or if it is a
+leg in the air.
 """
 SOLE_SOFT_IK_THRESHOLD = 0.5 * (1.0 + SOFT_IK_THRESHOLD)
-"""Fractions of its length up to which a limb extends freely (METHOD (11)): with help of trunk or root, or of a leg in
-the air; and without help, or of a standing leg.
+"""Fraction of its length up to which a limb extends freely (METHOD (11)) if nothing else helps it, or if it is a
+standing leg.
 """
 BONE_LINE_TOLERANCE = math.radians(10.0)
-"""Angle by which the bones of a bent limb may lie otherwise than the actor's, whose bones have another ratio, before
-its frame rotates; twice that is the greatest difference.
+"""Angle in radians between a bone of a bent limb and the actor's, due to different bone ratios, up to which the limb's
+frame is not rotated. Beyond it the frame rotates, so that twice this angle is never exceeded.
 """
 _TANGENT = math.tan(BONE_LINE_TOLERANCE)
 MAX_EXTENSION = 0.9999
@@ -30,11 +30,11 @@ MAX_EXTENSION = 0.9999
 
 @small_kernel
 def place_limb(point, segment, frame, limb, pose):
-    """Write the pose of both bones of a limb and of its end, given its ``frame`` and the position of its root (K05
-    section 8; METHOD 3.4, (5)).
+    """Write the pose of both bones of a limb and the position of its end, given its ``frame`` and the position of its
+    root (K05 section 8; METHOD 3.4, (5)).
 
     ``point`` and ``segment`` are the indices of the root and of the upper bone; the z axis of ``frame`` points to the
-    end; ``limb`` and ``pose`` as in ``kernels.records``. Returns the position of the end and the rotation of the lower
+    end; ``limb`` is a ``LimbShape``, ``pose`` a ``Pose``. Returns the position of the end and the rotation of the lower
     bone.
     """
     x, y, z, d = middle_joint(limb)
@@ -49,7 +49,9 @@ def place_limb(point, segment, frame, limb, pose):
 
 @small_kernel
 def middle_joint(limb):
-    """Position (x, y, z) of the middle joint in the limb's frame, and the positive distance of its end."""
+    """(x, y, z, d): position of elbow or knee in the limb's frame, and the distance of the limb's end from its root,
+    metres.
+    """
     upper, lower = limb.bones
     d = max(limb.reach, 1e-6)
     z = (upper * upper - lower * lower + d * d) / (2.0 * d)
@@ -88,8 +90,11 @@ def bone_rotation(frame, x, y, z, twist):
 
 @kernel
 def soft_extension(needed, soft_threshold):
-    """Extension of a limb, as a fraction of its length, for a target at ``needed``: linear up to the threshold a, then
-    a + (1 - a)(1 - exp(-(d - a)/(1 - a))), so that the middle joint never snaps straight (METHOD 5, (11)).
+    """Extension of a limb, as a fraction of its length, for a target at distance d = ``needed``, in the same unit
+    (METHOD 5, (11)).
+
+    It is d up to the threshold a, then a + (1 - a)(1 - exp(-(d - a)/(1 - a))), so that the middle joint never snaps
+    straight.
     """
     if needed <= soft_threshold:
         return needed
@@ -99,10 +104,10 @@ def soft_extension(needed, soft_threshold):
 
 @kernel
 def soft_flexion(reach, bones):
-    """Distance in metres of a limb's end from its root for a target at distance d, ``reach``.
+    """Distance in metres of a limb's end from its root for a target at distance d = ``reach``.
 
-    With bones that differ by a in length it is a (1 + exp(d / a - 2)) below 2 a: above their difference, at which the
-    middle joint would fold in one frame (METHOD 3.4).
+    With bones that differ by a in length it is a (1 + exp(d / a - 2)) for d below 2 a, so that it stays above a, at
+    which the middle joint would fold in one frame (METHOD 3.4).
     """
     apart = abs(bones[0] - bones[1])
     if apart == 0.0 or reach >= 2.0 * apart:
@@ -112,8 +117,9 @@ def soft_flexion(reach, bones):
 
 @kernel
 def soft_minimum_reach(reach, bones):
-    """Distance in metres of a limb's end from its root for a target at ``reach``: nearer than the least of
-    ``soft_flexion`` it approaches the difference of the bones softly.
+    """Distance in metres of a limb's end from its root for a target at ``reach``, which may be too near.
+
+    For targets nearer than ``soft_flexion(0, bones)`` it decreases softly towards the difference of the bones' lengths.
     """
     least, apart = soft_flexion(0.0, bones), abs(bones[0] - bones[1])
     if reach >= least:
@@ -123,12 +129,12 @@ def soft_minimum_reach(reach, bones):
 
 @small_kernel
 def match_bone_lines(frame, limb, fraction, reach):
-    """Frame of a ``limb``, rotated in its bending plane to match the actor's bone directions despite another ratio of
-    its bones.
+    """Frame of a ``limb``, rotated in its bending plane so that its bones keep the actor's directions despite another
+    ratio of their lengths.
 
-    ``fraction`` is the actor's upper bone relative to the limb, ``reach`` its extension. Without it the longer bone of
-    a folded limb would lie on the limb's line, so that a raised knee would hang down. The rotation is limited to some
-    degrees.
+    ``fraction`` is the actor's upper bone relative to the limb, ``reach`` the limb's extension. Without this the longer
+    bone of a folded limb would lie on the limb's line, so that a raised knee would hang down. The rotation is limited
+    to some degrees.
     """
     x, y, z, d = middle_joint(limb)
     across, length = math.sqrt(x * x + y * y), limb.bones[0] + limb.bones[1]

@@ -1,9 +1,9 @@
 """Tasks of one limb in closed form: the primary one exactly, the secondary one with the remaining freedom (K05 figure
 11).
 
-The primary task, the first that moves a point of the limb, takes its bend and its aim. The secondary one takes the
-swivel about the axis from the limb's root through the primary point or, where that is the elbow or the knee, the lower
-segment. Hand or foot is rotated before both. Records are those of ``kernels.records``.
+The primary task is the first that moves a point of the limb; it sets bend and aim. The secondary one sets the swivel
+about the axis from the limb's root through the primary point or, where that point is the elbow or the knee, the aim of
+the lower segment. Hand or foot is rotated before both. Records are those of ``kernels.records``.
 """
 
 import math
@@ -19,7 +19,7 @@ from studio.core.kernels.body.parts import end_pose, limb_parts, restore_end, ro
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb_limits import allowed_reach, effective_point, limit_limb
-from studio.core.kernels.limbs.reach import (
+from studio.core.kernels.limbs.limb_reach import (
     aim_at,
     bend_and_aim,
     bend_coefficients,
@@ -36,14 +36,14 @@ from studio.core.kernels.tasks.task_status import ACTIVE
 
 NEGLIGIBLE_ERROR = 0.25 * PRIORITY_TOLERANCE
 """Error in metres or radians that is ignored."""
-KEEPS_BLEND = 1
+BLENDED_POSE_KEPT = 1
 """Value of ``blended_limbs`` for a limb that keeps the pose of ``kernels.time.activation_blend``."""
 
 
 @kernel
 def find_end_tasks(level, tasks, spine_count, out_ends):
-    """Write the index (4,) of the task of levels 0 to ``level`` that holds the orientation of each limb's end, -1 for
-    none.
+    """Write, for each limb (4,), the index of the task of levels 0 to ``level`` that sets the orientation of hand or
+    foot, -1 for none.
 
     Returns a bit mask of the limbs whose task has changed.
     """
@@ -62,9 +62,9 @@ def find_end_tasks(level, tasks, spine_count, out_ends):
 
 @kernel
 def mark_secondary_tasks(tasks):
-    """Mark position tasks of a limb that has another position task before them.
+    """Mark position tasks as secondary if an earlier position task moves the same limb.
 
-    They take the remaining swivel (K05 figures 11 and 13); no other joint moves for them.
+    A secondary task sets the remaining swivel (K05 figures 11 and 13); no other joint moves for it.
     """
     for c in range(tasks.shape[0]):
         row = tasks[c]
@@ -77,10 +77,10 @@ def mark_secondary_tasks(tasks):
 
 @kernel
 def reach_range(limb, segment, holds_end, point, limits, pose):
-    """(least, greatest, present) distance in metres of ``point`` from the root of its limb, or of the end joint if that
-    is held.
+    """(least, greatest, present) distance in metres of ``point`` from the root of its limb.
 
-    With ``limits``, elbow or knee bends within them, or as far as the unsolved ``pose``.
+    If hand or foot is held (``holds_end``), distances of wrist or ankle. With ``limits``, the range is that of elbow or
+    knee within them, widened to its bend in the unsolved ``pose``.
     """
     positions, rotations = pose
     _, upper, root = limb_parts(limb, positions.shape[0] - POINTS_BESIDE_SPINE)
@@ -105,7 +105,7 @@ def reach_range(limb, segment, holds_end, point, limits, pose):
 def solve_limb(limb, level, problem):
     """Solve all tasks of one limb of levels 0 to ``level`` in order of priority, then clamp its joints.
 
-    A limb of ``kernels.time.activation_blend`` is within its limits already: it bends and aims from its present pose.
+    A limb in a blended activation transition is within its limits already; it bends and aims from its present pose.
     """
     tasks, limits, state = problem.tasks, problem.body.limits, problem.search.limbs[limb]
     reset_limb(limb, problem)
@@ -129,11 +129,11 @@ def solve_limb(limb, level, problem):
 
 @kernel
 def reset_limb(limb, problem):
-    """Reset the state of a limb, and rotate its hand or foot to the orientation of its task."""
+    """Reset the ``LIMB_STATE`` of a limb, and rotate its hand or foot to the orientation of its task."""
     tasks, search, limits, state = problem.tasks, problem.search, problem.body.limits, problem.search.limbs[limb]
     _, upper, root = limb_parts(limb, problem.pose.positions.shape[0] - POINTS_BESIDE_SPINE)
     turns_end = search.end_tasks[limb] >= 0 and tasks[search.end_tasks[limb]].status == ACTIVE
-    state.has_limits = limits.shape[0] > 0 and search.blended_limbs[limb] != KEEPS_BLEND
+    state.has_limits = limits.shape[0] > 0 and search.blended_limbs[limb] != BLENDED_POSE_KEPT
     state.end_has_task, state.holds_end = turns_end, limb >= 2 or turns_end
     state.freedoms_used, state.primary, state.primary_end = 0, 0, 0
     state.aims_upper, state.swivels, state.lower_rotated = 0, 0, 0
@@ -145,8 +145,10 @@ def reset_limb(limb, problem):
 
 @kernel
 def solve_limb_point(c, end, problem):
-    """Move one end of a task to its goal: the primary by bend and aim, the secondary by the remaining freedom, a point
-    of hand or foot by its own joint.
+    """Move one end of a task to its goal.
+
+    The primary task bends and aims the limb, a secondary one uses the remaining freedom, and a point of hand or foot is
+    moved by wrist or ankle alone.
     """
     tasks, pose, limits = problem.tasks, problem.pose, problem.body.limits
     row, segment, limb = tasks[c], tasks[c].segments[end], tasks[c].limbs[end]
@@ -175,8 +177,10 @@ def solve_limb_point(c, end, problem):
 
 @kernel
 def rotate_bone(row, limb, problem):
-    """Rotate the upper or lower segment of a limb to its goal; the lower one with the upper, within limits, where it
-    comes first.
+    """Rotate the upper or lower segment of a limb to its goal.
+
+    A lower segment that is rotated before any other task rotates the upper one as well, within the limits of elbow or
+    knee.
     """
     pose, limits, state = problem.pose, problem.body.limits, problem.search.limbs[limb]
     _, upper, root = limb_parts(limb, pose.positions.shape[0] - POINTS_BESIDE_SPINE)
@@ -204,7 +208,7 @@ def rotate_bone(row, limb, problem):
 
 @kernel
 def rotate_segment(goal, segment, pivot, pose):
-    """Rotate a segment of a limb about its point ``pivot`` to the rotation ``goal`` (3, 3)."""
+    """Rotate a segment of a limb, and its subtree, about the point ``pivot`` to the world rotation ``goal`` (3, 3)."""
     rotation = compose(rotation_from_matrix(goal), inverse_rotation(rotation_from_matrix(pose.rotations[segment])))
     rotate_part(
         rotation,
@@ -218,10 +222,11 @@ def rotate_segment(goal, segment, pivot, pose):
 
 @kernel
 def solve_primary_task(row, end, before, problem):
-    """Bend and aim a limb until its point meets the goal, or comes as near as its reach, its soft-IK threshold or the
-    blend (``kernels.time.activation_blend``) allow. ``before`` is the rotation of the upper segment.
+    """Bend and aim a limb until its point meets the goal, or is as near as its reach, its soft-IK threshold or a blend
+    allows.
 
-    A foot, or a hand with a held orientation, keeps its world orientation; otherwise it moves with the limb.
+    ``before`` is the rotation of the upper segment before. A foot, or a hand with a held orientation, keeps its world
+    orientation; otherwise it moves with the limb.
     """
     pose, limits, limb = problem.pose, problem.body.limits, row.limbs[end]
     positions, rotations, holds_end = pose.positions, pose.rotations, problem.search.limbs[limb].holds_end
@@ -232,7 +237,7 @@ def solve_primary_task(row, end, before, problem):
         aim_at(goal, point, upper, positions.shape[0] - POINTS_BESIDE_SPINE, positions[root], positions, rotations)
     else:
         span = distance(goal, positions[root])
-        is_kept = problem.search.blended_limbs[limb] == KEEPS_BLEND and is_position(row)
+        is_kept = problem.search.blended_limbs[limb] == BLENDED_POSE_KEPT and is_position(row)
         span = row.goal_reaches[end] if is_kept else allowed_reach(row, end, span)
         if limits.shape[0] > 0 and span < row.flexion_thresholds[end]:
             span = -soft_clamp_above(-span, -math.inf, -row.flexion_thresholds[end], -row.min_reach[end])
@@ -248,10 +253,10 @@ def solve_primary_task(row, end, before, problem):
 
 @kernel
 def solve_secondary_task(row, end, before, problem):
-    """Swivel a limb about the point of its primary task, within its limits, or aim the lower segment, whose rotation
-    was ``before``, where the primary point is on the upper one.
+    """Swivel a limb about the point of its primary task, within its limits, towards the goal of its secondary task.
 
-    Ends with a held world orientation keep it.
+    Where the primary point is on the upper segment, aim the lower segment, whose rotation was ``before``, instead.
+    Hands and feet with a held world orientation keep it.
     """
     pose, limits, limb = problem.pose, problem.body.limits, row.limbs[end]
     positions, rotations, state = pose.positions, pose.rotations, problem.search.limbs[limb]
@@ -275,7 +280,9 @@ def solve_secondary_task(row, end, before, problem):
 
 @kernel
 def limited_swivel(limb, target, point, held, limits, pose):
-    """Swivel as ``swivel_to`` does, within the limits of the limb."""
+    """Swivel a limb until ``point`` is nearest to ``target``, about the axis from its root through ``held``, within its
+    limits.
+    """
     positions, rotations = pose
     parent, upper, root = limb_parts(limb, positions.shape[0] - POINTS_BESIDE_SPINE)
     (x, y, z), sine, cosine = swivel_rotation(target, point, held, positions[root])
@@ -287,7 +294,9 @@ def limited_swivel(limb, target, point, held, limits, pose):
 
 @kernel
 def aim_hand_or_foot(row, end, joint, segment, pose):
-    """Rotate hand or foot about its ``joint`` to aim its point at the goal, by the weight of the chain."""
+    """Rotate hand or foot about its ``joint`` to aim its point at the goal, by the fraction that is its weight in the
+    chain.
+    """
     positions, rotations, weight = pose.positions, pose.rotations, row.limb_weights[end, 1]
     point, target = end_position(row, end, pose), row.goal_positions[end]
     if distance(point, target) < NEGLIGIBLE_ERROR:

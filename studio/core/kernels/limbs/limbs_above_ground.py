@@ -1,42 +1,46 @@
 """Limbs kept above the ground by the freedom that their tasks leave (METHOD 7).
 
-A limb without task is raised at its end, one with a task at elbow or knee bends there, and one with a task beyond
-swivels about the line from its root to that. So no task of the limb changes; what the rise changes of others, such as
-a balance, is a violation that the search sees. A point may be as low as in the unsolved pose. Records are those of
-``kernels.records``.
+A limb without task is raised at its end; one with a task at elbow or knee bends there; one with a task beyond elbow or
+knee swivels about the line from its root to the task's point. So no task of the limb itself changes. Changes of other
+tasks, such as a balance, count as priority violations in the search. A point may be as low as in the unsolved pose.
+Records are those of ``kernels.records``.
 """
 
 import math
 
-from studio.core.kernels import layout as at
+from studio.core.kernels import measure_columns as measure
 from studio.core.kernels.algebra.rotation_tuples import rotation_from_matrix, rotation_from_vector, transform_point
 from studio.core.kernels.algebra.smooth_steps import penetration_correction
 from studio.core.kernels.algebra.vectors import distance, offset_between
 from studio.core.kernels.body.parts import end_pose, limb_parts, restore_end, rotate_part
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel, small_kernel
-from studio.core.kernels.limbs.reach import bend_and_aim
+from studio.core.kernels.limbs.limb_reach import bend_and_aim
 from studio.core.kernels.limits.limb_joint_limits import damped_swivel
 from studio.core.kernels.limits.swing_twist import bend_carrying_twist
 from studio.core.kernels.tasks.goals import moves_point
 from studio.core.kernels.tasks.task_status import ACTIVE
 
-GROUND_MARGIN = 0.05
-"""Greatest height above the ground, in metres, below which a part of a limb begins to rise; 3/16 of it is kept."""
-NEGLIGIBLE_RISE = 1e-6
-"""Metres up to which a rise is left out: a limb that stays has them by rounding."""
-LEAST_CIRCLE = 0.005
-"""Radius in metres of the circle of elbow or knee at which its swivel is halved: a smaller one would whirl."""
+GROUND_MARGIN_METRES = 0.05
+"""Height above the ground in metres below which a part of a limb begins to rise; at ground height it is raised by 3/16
+of this.
+"""
+NEGLIGIBLE_RISE_METRES = 1e-6
+"""Rise in metres that is ignored: rounding alone causes it in a limb that stays."""
+LEAST_CIRCLE_RADIUS = 0.005
+"""Radius in metres of the circle of elbow or knee about its limb's line at which a swivel is halved: on a smaller
+circle it would whirl.
+"""
 
 
 @kernel
 def raise_limb(limb, busy, level, problem):
-    """Raise a limb out of the ground; ``busy`` if tasks down to ``level`` pose it."""
+    """Raise a limb out of the ground; ``busy`` is true if tasks down to ``level`` pose the limb."""
     state, pose = problem.search.limbs[limb], problem.pose
-    used, root = state.freedoms_used if busy else 0, root_of(limb, pose)
+    used, root = state.freedoms_used if busy else 0, limb_root_point(limb, pose)
     if used > 1:
         return
-    margin = 0.0 if moves_rigidly(limb, root, level, problem.tasks) else GROUND_MARGIN
+    margin = 0.0 if moves_rigidly(limb, root, level, problem.tasks) else GROUND_MARGIN_METRES
     if used == 0 or state.aims_upper:
         rise = end_rise(limb, margin, problem)
         if rise > 0.0 and used == 0:
@@ -54,14 +58,14 @@ def raise_limb(limb, busy, level, problem):
 
 
 @small_kernel
-def root_of(limb, pose):
-    """Point of shoulder or hip."""
+def limb_root_point(limb, pose):
+    """Index of the point of shoulder or hip of a limb."""
     return limb_parts(limb, pose.positions.shape[0] - POINTS_BESIDE_SPINE)[2]
 
 
 @kernel
 def moves_rigidly(limb, root, level, tasks):
-    """True if a task down to ``level`` has a point beyond the ``root`` of a limb that it does not bend."""
+    """True if a task down to ``level`` has a point beyond the ``root`` of a limb but may not bend the limb."""
     found = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
@@ -79,26 +83,29 @@ def height_above(point, ground):
 
 @kernel
 def end_rise(limb, margin, problem):
-    """Metres by which the end of a limb rises from a height of ``margin`` metres on."""
+    """Rise in metres that the end of a limb needs, fading in from a height of ``margin`` metres on."""
     now = end_height(limb, problem, problem.pose)
     return rise_between(end_height(limb, problem, problem.start), now, margin) if now < margin else 0.0
 
 
 @kernel
 def middle_rise(limb, margin, problem):
-    """Metres by which elbow or knee rises from a height of ``margin`` metres on."""
+    """Rise in metres that elbow or knee needs, fading in from a height of ``margin`` metres on."""
     start, pose, ground = problem.start, problem.pose, problem.body.ground[limb]
-    middle = root_of(limb, pose) + 1
+    middle = limb_root_point(limb, pose) + 1
     now = height_above(pose.positions[middle], ground)
     return rise_between(height_above(start.positions[middle], ground), now, margin) if now < margin else 0.0
 
 
 @kernel
 def rise_between(before, now, margin):
-    """Metres by which a part at the height ``now``, ``before`` in the unsolved pose, rises."""
+    """Rise in metres that a part at the height ``now`` needs, ``before`` being its height in the unsolved pose.
+
+    It fades in from a height of ``margin`` metres on.
+    """
     least = min(before, 0.0)
     rise = penetration_correction(now - least, min(before - least, margin))
-    return rise if rise > NEGLIGIBLE_RISE else 0.0
+    return rise if rise > NEGLIGIBLE_RISE_METRES else 0.0
 
 
 @kernel
@@ -111,9 +118,9 @@ def end_height(limb, problem, pose):
         return lowest
     side = limb - 2
     foot, toe = rotation_from_matrix(pose.rotations[upper + 2]), rotation_from_matrix(pose.rotations[upper + 3])
-    tall, toe_at = measures[at.MEASURE_ANKLE_HEIGHT + side], at.MEASURE_TOE + 3 * side
-    thick = tall + measures[at.MEASURE_FOOT + 3 * side + 2]
-    heel = transform_point(positions[root + 2], foot, -measures[at.MEASURE_HEEL_LENGTH + side], 0.0, -tall)
+    tall, toe_at = measures[measure.ANKLE_HEIGHT + side], measure.TOE + 3 * side
+    thick = tall + measures[measure.FOOT + 3 * side + 2]
+    heel = transform_point(positions[root + 2], foot, -measures[measure.HEEL_LENGTH + side], 0.0, -tall)
     ball = transform_point(positions[root + 3], foot, 0.0, 0.0, -thick)
     bent = transform_point(positions[root + 3], toe, 0.0, 0.0, -thick)
     tip = transform_point(positions[root + 3], toe, math.hypot(measures[toe_at], measures[toe_at + 1]), 0.0, -thick)
@@ -139,8 +146,8 @@ def raise_end(limb, rise, pose):
 
 @kernel
 def swivel_up(limb, rise, held, is_limited, problem):
-    """Swivel a limb about the line from its root to the ``held`` point until elbow or knee is ``rise`` metres
-    higher, or highest.
+    """Swivel a limb about the line from its root to the ``held`` point until elbow or knee is ``rise`` metres higher,
+    or as high as possible.
     """
     pose, limits, state = problem.pose, problem.body.limits, problem.search.limbs[limb]
     positions, rotations = pose.positions, pose.rotations
@@ -161,8 +168,10 @@ def swivel_up(limb, rise, held, is_limited, problem):
 
 @kernel
 def bend_lower(limb, rise, problem):
-    """Bend elbow or knee, within its limits, until the end of the limb is ``rise`` metres higher, or highest; hand or
-    foot keeps its world orientation.
+    """Bend elbow or knee, within its limits, until the end of the limb is ``rise`` metres higher, or as high as
+    possible.
+
+    Hand or foot keeps its world orientation.
     """
     pose, limits = problem.pose, problem.body.limits
     positions, rotations = pose.positions, pose.rotations
@@ -187,12 +196,16 @@ def bend_lower(limb, rise, problem):
 
 @kernel
 def circle_to_rise(axis, arm, rise):
-    """(angle in radians from the highest place of the end of ``arm`` on its circle about the unit ``axis``, that of the
-    place ``rise`` metres higher, weight of the rotation).
+    """(phase, goal, weight) of a rotation about the unit ``axis`` that raises the end of ``arm`` (3,) by ``rise``
+    metres.
+
+    ``phase`` is the angle in radians from the end's present position to the highest one on its circle, ``goal`` that
+    from the raised position to the highest one, and ``weight`` the fraction of the rotation to be made, small for a
+    small circle.
     """
     x, y, z = axis
     along = x * arm[0] + y * arm[1] + z * arm[2]
     height, aside = arm[2] - along * z, x * arm[1] - y * arm[0]
     most = math.sqrt(height * height + aside * aside)
     goal = math.acos(min(max((height + rise) / max(most, 1e-9), -1.0), 1.0))
-    return math.atan2(aside, height), goal, most * most / (most * most + LEAST_CIRCLE * LEAST_CIRCLE)
+    return math.atan2(aside, height), goal, most * most / (most * most + LEAST_CIRCLE_RADIUS * LEAST_CIRCLE_RADIUS)

@@ -1,7 +1,7 @@
-"""Root retreat for a leg whose target is too near for the flexion of hip and knee (METHOD 10).
+"""Root retreat for a leg whose target is too near for the flexion limits of hip and knee (METHOD 10).
 
-The reachable arc of such a leg curves round its target, so that the residual does not tell the root which way to move:
-to first order the root would move straight to the target, where a planted foot holds it.
+The boundary of such a leg's reach curves round its target, so the gradient of the residual does not show the root which
+way to move: to first order the root would move straight to the target, where a planted foot holds it.
 
 Records are those of ``kernels.records``.
 """
@@ -14,31 +14,32 @@ from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limits.root_reach_limit import limit_root_step
 from studio.core.kernels.search.body_placement import pose_body, solve_limbs
-from studio.core.kernels.search.level_step import TASK_MET
+from studio.core.kernels.search.level_step import TASK_MET_RESIDUAL
 from studio.core.kernels.tasks.goals import end_position, is_position
-from studio.core.kernels.tasks.limb_rows import LIMB_FALLS_SHORT
+from studio.core.kernels.tasks.limb_rows import LIMB_SHORT_RESIDUAL
 from studio.core.kernels.tasks.task_kinds import residual_of
 from studio.core.kernels.tasks.task_status import ACTIVE
 
 ROOT_RETREAT_STEPS = 30
-"""Retreat steps at most. Each leaves a third to two thirds of the residual; more than ``TASK_MET`` left over misleads
-the steps that follow.
+"""Greatest number of retreat steps. Each leaves a third to two thirds of the residual; the steps of the search that
+follow are misled if more than ``TASK_MET_RESIDUAL`` is left.
 """
 KEPT_RESIDUAL_FRACTION = 0.8
-"""Fraction of the residual that may be left for the retreat to be kept."""
+"""Greatest fraction of the residual left by the retreat for which its result is kept."""
 
 
 @kernel
 def retreat_root(level, problem):
-    """Move the root back from the target of a leg at its limits; True if this level has such a leg.
+    """Move the root away from the target of a leg that its joint limits keep from it; True if this level has such a
+    leg.
 
     Each step is as long as the residual, which is never too far: no point comes nearer to a position by more than its
-    displacement. The state is restored where the residual does not decrease.
+    displacement. The root's state is restored if the residual does not decrease enough.
     """
     tasks, chain, search = problem.tasks, problem.chain, problem.search
     c = limited_leg_task(level, problem)
     first = residual_of(c, problem) if c >= 0 else 0.0
-    if first < LIMB_FALLS_SHORT:
+    if first < LIMB_SHORT_RESIDUAL:
         return False
     residual = first
     copy_points(search.state, search.trial_state)
@@ -47,7 +48,7 @@ def retreat_root(level, problem):
         pose_body(problem)
         solve_limbs(level, problem)
         residual = residual_of(c, problem)
-        if residual < TASK_MET or (attempt > 0 and residual > first):
+        if residual < TASK_MET_RESIDUAL or (attempt > 0 and residual > first):
             break
     if residual > KEPT_RESIDUAL_FRACTION * first:
         copy_points(search.trial_state, search.state)
@@ -58,7 +59,9 @@ def retreat_root(level, problem):
 
 @kernel
 def limited_leg_task(level, problem):
-    """Index of the position task that a leg misses for its limits and for which the root may move, -1 for none."""
+    """Index of the position task that joint limits of a leg keep from its goal and that may move the root, -1 for
+    none.
+    """
     tasks, chain, body = problem.tasks, problem.chain, problem.body
     limits, root = body.limits, chain.joint_of_segment[-1]
     if limits.shape[0] == 0 or root < 0:
@@ -74,8 +77,10 @@ def limited_leg_task(level, problem):
 
 @kernel
 def move_root_back(residual, row, root, problem):
-    """Move the root horizontally by ``residual`` metres, away from the target of ``row`` and perpendicular to its
-    residual, within the reach of planted feet.
+    """Move the root horizontally by ``residual`` metres, away from the goal of task ``row`` and perpendicular to the
+    error, within the reach of planted feet.
+
+    ``root`` is the index of the root's joint.
     """
     body, search, start, pose = problem.body, problem.search, problem.start, problem.pose
     point, goal = end_position(row, 0, pose), row.goal_positions[0]

@@ -1,9 +1,11 @@
-"""Limbs with a stiff upper or lower segment in their chain: each takes a fraction of its free change (METHOD (19)).
+"""Limbs with a stiff upper or lower segment in their chain: each segment makes a fraction of its free change (METHOD
+(19)).
 
-The free changes are measured when a level begins. After that the shoulder rotates, and the elbow changes the distance,
-by no more than the fraction, and the rest of the chain takes over the remainder. A ``stiff`` record of
-``kernels.tasks.task`` has for upper and lower segment of each end their ``segment_weights`` (2, 2), the ``free_change``
-(2, 2) in radians and metres, the ``max_change`` (2, 2), and the ``own_reach`` (2,) of the motion's bend.
+The free changes, those without stiffness, are measured when a level begins. After that the shoulder rotates, and the
+elbow changes the distance, by no more than the fraction, and the rest of the chain covers the remainder. A task record
+with ``stiff`` set has, for upper and lower segment of each end, the fractions ``segment_weights`` (2, 2), the
+``free_change`` (2, 2) in radians and metres, and the ``max_change`` (2, 2); and for each end the ``own_reach`` (2,),
+the reach in metres at the motion's own bend.
 """
 
 import math
@@ -30,12 +32,14 @@ from studio.core.kernels.search.joints import pose_point
 from studio.core.kernels.tasks.task_status import ACTIVE
 
 RELEASE_POWER = 32
-"""Power of a weight by which its bound vanishes towards 1: a weight of 0.9 acts as 0.93."""
+"""Exponent of the fraction p in the bound p c / (1 - p^32), which vanishes as p approaches 1: a weight of 0.9 acts as
+0.93.
+"""
 
 
 @kernel
 def release_stiff_limbs(level, tasks):
-    """Release the stiff limbs of a level, to measure their free change; True if there are any."""
+    """Remove the bounds of the stiff limbs of a level, to measure their free changes; True if the level has any."""
     found = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
@@ -49,7 +53,9 @@ def release_stiff_limbs(level, tasks):
 
 @kernel
 def restrict_stiff_limbs(level, tasks):
-    """Restrict stiff limbs to p c / (1 - p^32) of their free change c (METHOD (19))."""
+    """Bound the changes of stiff limbs of a level to p c / (1 - p^32), with c the free change and p the segment's
+    weight (METHOD (19)).
+    """
     for c in range(tasks.shape[0]):
         row = tasks[c]
         if row.stiff and row.level == level and row.status == ACTIVE:
@@ -64,7 +70,9 @@ def restrict_stiff_limbs(level, tasks):
 
 @kernel
 def move_stiff_leg(side, start, segment_rotations, pose):
-    """Pose a leg in its pelvis as in the motion, with the motion's foot rotation: a stiff leg moves with the hips."""
+    """Pose a leg in its pelvis as in the unsolved pose ``start``, with the foot's world rotation, so that a stiff leg
+    moves with the hips.
+    """
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     hip, thigh, pelvis = (
         spine_count + HIP_POINT + POINTS_PER_LIMB * side,
@@ -86,7 +94,10 @@ def move_stiff_leg(side, start, segment_rotations, pose):
 
 @kernel
 def stiff_reach(row, end, now, goal):
-    """Reach in metres of a stiff limb, ``now`` at the motion's own bend; writes its change."""
+    """Reach in metres of a stiff limb for a goal at ``goal`` metres; ``now`` is its reach at the motion's own bend.
+
+    Also writes ``own_reach`` and the free change of the task record ``row``.
+    """
     row.own_reach[end] = now
     most = row.max_change[end, 1]
     row.free_change[end, 1] = abs(goal - now)
@@ -95,8 +106,10 @@ def stiff_reach(row, end, now, goal):
 
 @kernel
 def limit_rotation(fraction, most, segment, pivot, before, pose):
-    """Reduce the rotation of ``segment`` since ``before`` to ``fraction`` of it, and to ``most`` radians; returns the
-    angle in radians.
+    """Reduce the rotation of ``segment`` since its rotation ``before`` to ``fraction`` of its angle, and to ``most``
+    radians.
+
+    Returns the angle in radians before the reduction.
     """
     x, y, z = rotation_vector(compose(rotation_from_matrix(pose.rotations[segment]), inverse_rotation(before)))
     angle = length((x, y, z))

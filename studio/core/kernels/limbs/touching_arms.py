@@ -1,6 +1,6 @@
-"""Arms whose hands touch: an arm without task follows the other hand, or the part of the body that its hand lies on.
+"""Arms whose hands touch: an arm without task follows the other hand, or the part of the body under its hand.
 
-As a leg stands on its ankle, so a touching arm hangs on its contact: in closed form, in every pose of the search.
+The wrist of such an arm is placed on its contact in closed form, in every pose of the search, as a leg is on its ankle.
 """
 
 import math
@@ -16,16 +16,16 @@ from studio.core.kernels.body.parts import end_pose, limb_parts, restore_end
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.limb import MAX_EXTENSION, SOFT_IK_THRESHOLD, soft_extension
-from studio.core.kernels.limbs.reach import bend_and_aim, distance_range
+from studio.core.kernels.limbs.limb_reach import bend_and_aim, distance_range
 from studio.core.kernels.tasks.task_status import INACTIVE
 
 
 @kernel
 def follow_contacts(level, problem):
-    """Restore the hand contacts of arms without a task of levels 0 to ``level`` as in the unsolved pose.
+    """Restore the hand contacts of the unsolved pose for arms without a task of levels 0 to ``level``.
 
-    A wrist keeps its offset in the thorax from the other wrist, or from the segment under the hand, each by the weight
-    of that contact.
+    A wrist keeps its offset from the other wrist, in the axes of the thorax, or from the segment under the hand, each
+    by the weight of that contact.
     """
     tasks, start, pose = problem.tasks, problem.start, problem.pose
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
@@ -52,7 +52,9 @@ def follow_contacts(level, problem):
 
 @kernel
 def follows_contact(side, level, problem):
-    """True if an arm without task down to ``level`` follows the other hand, or the part of the body under its hand."""
+    """True if an arm without task down to ``level`` has a hand contact: with a hand that has a task, or with the
+    body.
+    """
     contact, tasks = problem.body.hand_contacts[side], problem.tasks
     together = contact.together if has_task(1 - side, level, tasks) else 0.0
     return together + contact.resting > 0.0 and not has_task(side, level, tasks)
@@ -60,7 +62,7 @@ def follows_contact(side, level, problem):
 
 @kernel
 def has_task(limb, level, tasks):
-    """True if a task down to ``level`` is about a limb, met or not."""
+    """True if a task down to ``level`` that is not inactive has a point on a limb."""
     found = False
     for c in range(tasks.shape[0]):
         row = tasks[c]
@@ -71,7 +73,10 @@ def has_task(limb, level, tasks):
 
 @small_kernel
 def contact_wrist_position(point, segment, origin, start, pose):
-    """Position (x, y, z) of a point of the pose ``start`` carried by a segment, which begins at ``origin``."""
+    """Position (x, y, z) of ``point`` if it moved with ``segment``, rigidly, from the pose ``start`` to ``pose``.
+
+    ``origin`` is the point at which the segment begins.
+    """
     rotation = compose(
         rotation_from_matrix(pose.rotations[segment]), inverse_rotation(rotation_from_matrix(start.rotations[segment]))
     )
@@ -81,7 +86,7 @@ def contact_wrist_position(point, segment, origin, start, pose):
 
 @kernel
 def extend_softly(side, own, target, pose):
-    """Bend and aim an arm until its wrist meets a target; one that is too short extends softly.
+    """Bend and aim an arm until its wrist meets ``target`` (3,); an arm that is too short extends softly.
 
     It extends up to its soft-IK threshold, or to its ``own`` extension in metres if that is more, since the swivel of a
     straight arm is ill-conditioned.

@@ -1,1 +1,1 @@
-"""Inequalities: joint limits, the root's reach of planted feet, self-collision of the arms."""
+"""Inequalities: joint limits, reach of the root over planted feet, self-collision of the arms."""

@@ -25,45 +25,54 @@ from studio.core.kernels.limbs.touching_arms import extend_softly
 from studio.core.kernels.records import CAPSULE, Pose
 
 PROBE_COUNT = 5
+"""Number of probes of an arm."""
 HAND_ROTATION, ELBOW_SWIVEL, ARM_STEP_SIZE = 3, 6, 7
-"""Columns of an arm step: displacement of the wrist (3,) in metres, rotation vector of the hand from column
-``HAND_ROTATION`` on, swivel in radians.
+"""Layout of an arm step (7,): displacement of the wrist (3,) in metres, rotation vector of the hand (3,) in radians,
+swivel of the elbow in radians. First column of the hand's rotation, column of the swivel, and number of columns.
 """
 SMOOTH_MINIMUM_WIDTH = 0.02
-"""Metres over which the distances to two capsules blend."""
-CAPSULE_CORE = 0.3
-"""Fraction of a capsule's radius within which its outward direction fades: at the axis there is none."""
+"""Difference in metres of the distances to two capsules up to which they are blended."""
+CAPSULE_CORE_FRACTION = 0.3
+"""Fraction of a capsule's radius within which its outward direction fades to zero, because it is undefined on the axis.
+"""
 LONGEST_APPROACH, CONTACT_MARGIN = 0.08, 0.003
-"""Greatest distance in metres at which a probe is decelerated before its required distance, and the margin
-of contact.
+"""Greatest distance in metres before its required distance at which a probe is decelerated, and the margin of a contact
+in metres.
 """
 SHORTEST_APPROACH = 5.0 * CONTACT_MARGIN
-"""Least distance in metres at which a probe is decelerated before its required distance."""
+"""Least distance in metres before its required distance at which a probe is decelerated."""
 CLEARANCE_ITERATIONS = 6
-"""Sweeps over the probes of an arm."""
-SWIVEL_COST = 0.3
-"""Metres of wrist displacement that cost as much as one radian of swivel, by which the elbow of a bent arm moves 0.15
-to 0.2 m; the wrist takes the elbow along by half of its own displacement. So both move an elbow out, and the arm tips
-less.
+"""Iterations over the probes of an arm."""
+SWIVEL_COST_METRES = 0.3
+"""Wrist displacement in metres that costs as much as one radian of swivel. One radian moves the elbow of a bent arm by
+0.15 to 0.2 m, and the wrist takes the elbow along by half of its own displacement, so that both move an elbow out, and
+the arm tips less.
 """
-HAND_COST = 0.5 * SWIVEL_COST
-"""The same for the rotation of the hand: fingers that alone are too deep bend out, and move the wrist by a third."""
+HAND_COST_METRES = 0.5 * SWIVEL_COST_METRES
+"""Wrist displacement in metres that costs as much as one radian of hand rotation: fingers that alone are too deep bend
+out, and move the wrist by a third.
+"""
 MAX_SWIVEL = 1.2
-"""Limit in radians of a swivel, and of the rotation of a hand."""
+"""Greatest swivel of an elbow, and rotation of a hand, in radians."""
 MAX_INHERITED_CLEARANCE = 0.02
-"""Limits in metres of the clearance, and of the penetration, inherited from the actor."""
+"""Greatest clearance in metres inherited from the actor."""
 MAX_INHERITED_PENETRATION = 2.0 * MAX_INHERITED_CLEARANCE
-"""Limits in metres of the clearance, and of the penetration, inherited from the actor."""
+"""Greatest penetration in metres inherited from the actor."""
 ACTOR_DIRECTION_DEPTH = 1.5 * MAX_INHERITED_PENETRATION
-"""Depth in metres at which an arm leaves along the actor's direction alone: deeper than any inherited penetration."""
-CORE_DISTANCE = math.sqrt(1.0 + CAPSULE_CORE * CAPSULE_CORE)
+"""Depth in metres at which an arm is pushed out along the actor's outward direction alone: deeper than any inherited
+penetration.
+"""
+CORE_DISTANCE = math.sqrt(1.0 + CAPSULE_CORE_FRACTION * CAPSULE_CORE_FRACTION)
+"""Softened distance from a capsule's axis, in radii, at its surface."""
 WRIST_FRACTIONS = (0.5, 0.75, 1.0, 1.0, 1.0)
-"""Fraction of the wrist's displacement that each probe follows."""
+"""Fraction of the wrist's displacement by which each probe moves."""
 
 
 @kernel
 def place_capsules(volume, pose, proximal, out_capsules):
-    """Write the capsules (N,) in the world; ``proximal`` (S,) is the first point of each segment."""
+    """Write the ``CAPSULE`` records (N,) of a body volume in the world; ``proximal`` (S,) is the first point of each
+    segment.
+    """
     segments, positions, radii = volume.segments, volume.places, volume.radii
     for n in range(segments.shape[0]):
         capsule = out_capsules[n]
@@ -80,9 +89,10 @@ def place_capsules(volume, pose, proximal, out_capsules):
 
 @allocating_kernel
 def signed_distance_to_body(x, y, z, girth, capsules, out_direction):
-    """Signed distance of a sphere in metres; writes the outward direction (3,), shorter near a capsule's axis.
+    """Signed distance in metres of a sphere with radius ``girth`` from the body; writes its outward direction (3,).
 
-    It is the smooth minimum (polynomial, over ``SMOOTH_MINIMUM_WIDTH``) of the distances from tapered capsules.
+    It is the smooth minimum (polynomial, over ``SMOOTH_MINIMUM_WIDTH``) of the distances from tapered capsules. The
+    direction is shorter than 1 near a capsule's axis.
     """
     distance, most = math.inf, math.inf
     out_direction[0] = out_direction[1] = out_direction[2] = 0.0
@@ -93,7 +103,7 @@ def signed_distance_to_body(x, y, z, girth, capsules, out_direction):
         t = soft_clamp((px * ux + py * uy + pz * uz) * capsule.per_squared_length)
         px, py, pz = px - t * ux, py - t * uy, pz - t * uz
         radius = capsule.radius + t * capsule.radius_change
-        squared = px * px + py * py + pz * pz + CAPSULE_CORE * CAPSULE_CORE * radius * radius
+        squared = px * px + py * py + pz * pz + CAPSULE_CORE_FRACTION * CAPSULE_CORE_FRACTION * radius * radius
         if squared >= (most + CORE_DISTANCE * radius) ** 2:
             continue
         away = math.sqrt(squared)
@@ -118,13 +128,13 @@ def signed_distance_to_body(x, y, z, girth, capsules, out_direction):
 
 @kernel
 def soft_clamp(t):
-    """``t`` clamped to [0, 1] with corners rounded over a tenth."""
+    """``t`` clamped to [0, 1], with corners rounded over a width of 0.1 on either side."""
     return t + linear_ramp(-t, 0.1) - linear_ramp(t - 1.0, 0.1)
 
 
 @kernel
 def linear_ramp(x, band):
-    """max(x, 0) with its corner rounded over ``band`` on either side; never below it."""
+    """max(x, 0) with its corner rounded from -``band`` to ``band``; never below max(x, 0)."""
     if x <= -band:
         return 0.0
     return x if x >= band else (x + band) ** 2 / (4.0 * band)
@@ -132,7 +142,7 @@ def linear_ramp(x, band):
 
 @kernel
 def probe_centre(probe, shoulder, positions, out_point):
-    """Write the centre (3,) of a probe of the arm with that shoulder point."""
+    """Write the centre (3,) of one of the five probes of the arm that begins at the point ``shoulder``."""
     if probe < 3:
         begin, end, fraction = shoulder + 1, shoulder + 2, 0.5 * probe
     else:
@@ -169,10 +179,12 @@ def measure_clip_distances(volume, proximal, positions, rotations, out_distances
 
 @allocating_kernel
 def required_distances(actor_distances, margin, out_required):
-    """Write the required signed distances, any shape: ``margin`` plus y C / (|y| + C), with y the actor's distance.
+    """Write the signed distances required of probes: ``margin`` plus y C / (|y| + C), with y the actor's signed
+    distance.
 
-    A hand lands on a wide body as softly as the actor's does on its own, and where the actor seems to penetrate, the
-    body may too, with a limit. C is ``MAX_INHERITED_CLEARANCE`` outside and ``MAX_INHERITED_PENETRATION`` inside.
+    All in metres, arrays of any shape. A hand lands on a wide body as softly as the actor's does on its own, and where
+    the actor seems to penetrate, the body may too, with a limit. C is ``MAX_INHERITED_CLEARANCE`` outside and
+    ``MAX_INHERITED_PENETRATION`` inside.
     """
     own, required = actor_distances.ravel(), out_required.ravel()
     for i in range(own.shape[0]):
@@ -184,9 +196,9 @@ def required_distances(actor_distances, margin, out_required):
 def push_arm_out(side, touch, frame, fractions, clearance, clearing, pose):
     """Push one arm out where its probes are below ``clearing.required_distances``; True if it moved.
 
-    Each sweep begins where the last one has brought the arm. ``fractions`` (4,): fraction of the result that is
-    applied, weights of wrist, hand and swivel; ``touch`` the distance in metres at which probes decelerate, 0 for the
-    default. An arm with enough clearance stays, and ``clearing.distances`` become its distances.
+    Each iteration begins at the result of the last one. ``fractions`` (4,): fraction of the result that is applied,
+    then weights of wrist, hand and swivel. ``touch`` is the distance in metres at which probes decelerate, 0 for the
+    default. An arm with enough clearance stays, and ``clearing.distances`` become its signed distances.
     """
     positions, rotations = pose
     spine_count = positions.shape[0] - POINTS_BESIDE_SPINE
@@ -212,12 +224,12 @@ def push_arm_out(side, touch, frame, fractions, clearance, clearing, pose):
 
 @allocating_kernel
 def arm_step(side, near, frame, fractions, clearance, clearing, positions, out_step):
-    """Write the step (7,) of wrist (metres), hand and swivel (radians) that gives each probe its distance; False if it
-    is zero.
+    """Write the step (7,) of wrist (metres), hand and swivel (radians) that brings each probe to its required distance;
+    False if it is zero.
 
-    Probe after probe takes its own least step, weighted by the costs, after the steps before. The nearer to the body
-    than the actor's probe, the earlier it decelerates, unless it is to stop within ``near`` metres (``touch`` of
-    ``push_arm_out``).
+    Each probe in turn adds its own least step, weighted by the costs, to those of the probes before. The nearer a probe
+    is to the body than the actor's, the earlier it decelerates, unless it is to stop within ``near`` metres (``touch``
+    of ``push_arm_out``).
     """
     required, own, directions = (
         clearing.required_distances,
@@ -259,34 +271,36 @@ def arm_step(side, near, frame, fractions, clearance, clearing, positions, out_s
 
 @kernel
 def add_probe_step(short, follows, fractions, probe, step):
-    """Add the least step that moves a probe out by ``short`` metres; ``follows`` is its fraction of the wrist's
-    displacement.
+    """Add to ``step`` (7,) the least step that moves a probe outwards by ``short`` metres.
 
-    ``probe``: its swivel lever, lever about the wrist, outward direction, and the arm's ``stretched_line``, (3,) each.
+    ``follows`` is the probe's fraction of the wrist's displacement, ``fractions`` the argument of ``push_arm_out``.
+    ``probe``: its swivel lever, its lever about the wrist, its outward direction, and the arm's ``stretched_line``,
+    (3,) each.
     """
     arc, lever, direction, line = probe
     stiff = direction[0] * line[0] + direction[1] * line[1] + direction[2] * line[2]
     swings = max(1.0 - stiff * stiff, 0.0)
-    swivel = (direction[0] * arc[0] + direction[1] * arc[1] + direction[2] * arc[2]) / SWIVEL_COST
+    swivel = (direction[0] * arc[0] + direction[1] * arc[1] + direction[2] * arc[2]) / SWIVEL_COST_METRES
     x, y, z = cross_with(lever[0], lever[1], lever[2], direction)
-    hand = (x * x + y * y + z * z) / HAND_COST**2
+    hand = (x * x + y * y + z * z) / HAND_COST_METRES**2
     along = short / (
         follows * follows * swings * fractions[1] + hand * fractions[2] + swivel * swivel * fractions[3] + 0.02
     )
     for axis in range(3):
         step[axis] += along * follows * fractions[1] * (direction[axis] - stiff * line[axis])
-    bent = along * fractions[2] / HAND_COST**2
+    bent = along * fractions[2] / HAND_COST_METRES**2
     step[HAND_ROTATION] += bent * x
     step[HAND_ROTATION + 1] += bent * y
     step[HAND_ROTATION + 2] += bent * z
-    step[ELBOW_SWIVEL] += along * swivel / SWIVEL_COST * fractions[3]
+    step[ELBOW_SWIVEL] += along * swivel / SWIVEL_COST_METRES * fractions[3]
 
 
 @kernel
 def stretched_line(shoulder, positions):
-    """Vector (3,) from shoulder to wrist with the arm's extension for its length, 1 for a straight arm.
+    """Vector (x, y, z) from shoulder to wrist divided by the length of the arm: its length is 1 for a straight arm.
 
-    Steps along it cost a straight arm more: it would have to bend its elbow far, so it swings aside instead.
+    A straight arm pays more for steps along this vector: it would have to bend its elbow far, so it swings aside
+    instead.
     """
     root, elbow, wrist = positions[shoulder], positions[shoulder + 1], positions[shoulder + 2]
     whole, line = distance(root, elbow) + distance(elbow, wrist), offset_between(root, wrist)
@@ -295,17 +309,17 @@ def stretched_line(shoulder, positions):
 
 @kernel
 def cross_with(x, y, z, other):
-    """Cross product of (x, y, z) and ``other`` (3,), a tuple."""
+    """Cross product (x, y, z) × ``other`` (3,), as a tuple."""
     return y * other[2] - z * other[1], z * other[0] - x * other[2], x * other[1] - y * other[0]
 
 
 @kernel
 def blend_actor_direction(distance, actor_distance, actor_direction, entry, direction):
-    """Blend the actor's outward direction into ``direction`` (3,), in place: deep in the body, and near a capsule's
+    """Blend the actor's outward direction into ``direction`` (3,), in place, deep in the body and near a capsule's
     axis.
 
-    It counts in proportion to the actor's own clearance. Where the actor is inside its body, a hand leaves along
-    ``entry`` (3,), the direction in which the wrist came in.
+    The weight of the actor's direction decreases with the depth of the actor in its own body. There a hand leaves along
+    ``entry`` (3,) instead, the outward direction of the wrist.
     """
     depth = min(actor_distance, 0.0)
     outside = (
@@ -325,7 +339,7 @@ def blend_actor_direction(distance, actor_distance, actor_direction, entry, dire
 
 @allocating_kernel
 def swivel_lever(probe, shoulder, position, positions, out_arc):
-    """Write the displacement (3,) of a probe in metres a radian of swivel about the line from shoulder to wrist."""
+    """Write the displacement (3,) of a probe, metres per radian of swivel about the line from shoulder to wrist."""
     if probe > 1:
         out_arc[0] = out_arc[1] = out_arc[2] = 0.0
         return
@@ -339,10 +353,10 @@ def swivel_lever(probe, shoulder, position, positions, out_arc):
 
 @allocating_kernel
 def move_arm(side, fraction, move, saved, rotation, pose):
-    """Move the ``saved`` arm by ``fraction`` of a step ``move`` (7,): wrist, hand and swivel.
+    """Pose an arm as the ``saved`` one displaced by ``fraction`` of the step ``move`` (7,): wrist, hand and swivel.
 
-    The hand rotates by its part of the step alone. An arm that is too short extends softly, up to its soft-IK threshold
-    unless it is straighter already: the elbow of a straight arm whirls.
+    The hand keeps its world rotation but for its own part of the step. An arm that is too short extends softly, up to
+    its soft-IK threshold or to its saved extension if that is more: the elbow of a straight arm whirls.
     """
     positions, rotations = pose
     spine_count = positions.shape[0] - POINTS_BESIDE_SPINE

@@ -1,8 +1,10 @@
-"""Strict priorities with self-collision constraints above tasks: a frame is solved tier by tier (METHOD 10).
+"""Priority tiers: groups of task levels and self-collision constraints that are solved together (METHOD 10).
 
-Tier 0 has the highest self-collision constraints and all tasks above and beside them; every lower priority is a tier of
-its own. A frame is solved and cleared down to each tier with an active task, and the result is saved (``SavedTier``).
-Where a tier violates a tier above it, the body moves only a fraction of the way from the saved pose.
+Tier 0 has the self-collision constraints of the highest priority and all tasks of the same or a higher priority; every
+lower priority is a tier of its own, with its tasks and self-collision constraints. With self-collision constraints a
+frame is solved tier by tier: for each tier with an active task the frame is solved with all tasks down to the tier,
+arms are pushed out of the body, and the result is saved (``SavedTier``). Where the result violates a tier above, the
+body moves only a fraction of the way to it from the saved pose.
 """
 
 import math
@@ -13,7 +15,7 @@ from studio.core.kernels.algebra.vectors import copy_matrix, copy_points
 from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import allocating_kernel, kernel
-from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND
+from studio.core.kernels.limbs.limb_tasks import BLENDED_POSE_KEPT
 from studio.core.kernels.limits.arm_clearance import place_capsules
 from studio.core.kernels.limits.self_collision import measure_side_distances, write_penetration
 from studio.core.kernels.records import SavedTier
@@ -34,7 +36,9 @@ from studio.core.kernels.time.activation_blend import blend_states, write_limb_j
 
 @allocating_kernel
 def make_kept_tier(clearance, constraints, joints):
-    """Scratch of a ``SavedTier``, empty without self-collision constraints."""
+    """``SavedTier`` scratch for a search with these counts of ``constraints`` and ``joints``; empty without
+    self-collision constraints.
+    """
     clears = clearance.required_distances.shape[0]
     count = constraints if clears > 0 else 0
     return SavedTier(
@@ -48,10 +52,11 @@ def make_kept_tier(clearance, constraints, joints):
 
 @kernel
 def next_tier(tier, frame, clip):
-    """First tier from ``tier`` on to be solved at this frame, or the number of tiers.
+    """Number of the first tier from ``tier`` on that has to be solved at this frame; the number of tiers if there is
+    none.
 
-    It has an active task, and an active self-collision constraint of its own or above. Without any active
-    self-collision constraint it is the last tier, with all active tasks.
+    Such a tier has an active task or constraint, and an active self-collision constraint of its own or of a higher
+    tier. Without any active self-collision constraint the result is the last tier, which has all active tasks.
     """
     fractions, tiers, activations = clip.clearance.activations, clip.clearance.tiers, clip.constraints.activations
     count, last, first = fractions.shape[0], activations.shape[0] - 1, activations.shape[0]
@@ -70,7 +75,11 @@ def next_tier(tier, frame, clip):
 
 @kernel
 def save_tier(tier, first, frame, clip, problem):
-    """Save the pose and residuals of a tier; after the ``first`` they count for all tasks above too."""
+    """Save the pose of the body and all residuals after a tier was solved, as the state that lower tiers have to keep.
+
+    Residuals to be kept are replaced for the tasks of this tier only; for all tasks if the tier is the ``first`` of its
+    frame.
+    """
     kept, tasks, tiers = clip.kept, problem.tasks, clip.clearance.tiers
     count, clears = tasks.shape[0], clip.clearance.required_distances.shape[0]
     copy_points(problem.search.state, kept.state)
@@ -85,7 +94,7 @@ def save_tier(tier, first, frame, clip, problem):
 
 @kernel
 def copy_residuals(frame, clip):
-    """Copy the present residuals to those of the pose just solved."""
+    """Copy the residuals reported for a frame to ``SavedTier.new_residuals``."""
     now, residuals, count = clip.kept.new_residuals, clip.clearance.residuals, clip.constraints.tasks.shape[0]
     for c in range(count):
         now[c] = clip.residuals[c, frame]
@@ -95,7 +104,7 @@ def copy_residuals(frame, clip):
 
 @kernel
 def priority_violation_of_tier(tier, frame, clip):
-    """Greatest change of a residual above a tier since its own tier was saved, metres or radians."""
+    """Greatest change, in metres or radians, of a residual of a higher tier since that tier was saved."""
     tasks, clearance, own = clip.constraints.tasks, clip.clearance, clip.kept.own_residuals
     count, clears, most = tasks.shape[0], clearance.required_distances.shape[0], 0.0
     for c in range(count):
@@ -109,7 +118,9 @@ def priority_violation_of_tier(tier, frame, clip):
 
 @kernel
 def back_track_tier(tier, frame, clip, problem):
-    """Back-track a tier that violates the tiers above it, in the end to zero."""
+    """Back-track from the pose of a tier towards the saved pose until the tiers above are not violated, if need be
+    completely.
+    """
     change = priority_violation_of_tier(tier, frame, clip)
     if change < ALLOWED_VIOLATION:
         return
@@ -124,7 +135,7 @@ def back_track_tier(tier, frame, clip, problem):
 
 @kernel
 def save_endpoints(frame, clip, problem):
-    """Save both ends of a tier's step: the saved pose and the pose just solved."""
+    """Save the saved pose and the pose just solved as both ends of a blend."""
     search = problem.search
     copy_points(search.state, search.level_start)
     copy_points(clip.kept.state, search.kept_state)
@@ -136,11 +147,15 @@ def save_endpoints(frame, clip, problem):
 
 @kernel
 def pose_tier_fraction(fraction, tier, frame, clip, problem):
-    """Pose the body at ``fraction`` of a tier's step and report all residuals; returns the priority violation."""
+    """Pose the body at ``fraction`` of the way from the saved pose to the pose of the tier just solved, and report all
+    residuals.
+
+    Returns the priority violation, metres or radians.
+    """
     search, start, pose = problem.search, problem.start, problem.pose
     blend_states(1.0 - fraction, search)
     for limb in range(4):
-        search.blended_limbs[limb] = KEEPS_BLEND if limb < 2 or has_active_task(limb, problem.tasks) else 0
+        search.blended_limbs[limb] = BLENDED_POSE_KEPT if limb < 2 or has_active_task(limb, problem.tasks) else 0
     pose_body(problem)
     for limb in range(4):
         search.blended_limbs[limb] = 0
@@ -152,7 +167,11 @@ def pose_tier_fraction(fraction, tier, frame, clip, problem):
 
 @kernel
 def report_tier_residuals(fraction, tier, frame, clip, problem):
-    """Report all residuals at ``fraction`` of a tier's step; the priority violation."""
+    """Report all residuals in the present pose, at ``fraction`` from the saved pose to the tier's; returns the priority
+    violation.
+
+    Residuals of tasks in transition are interpolated between both poses.
+    """
     tasks, kept, residuals = problem.tasks, clip.kept, clip.residuals
     update_goals(tasks.shape[0], True, problem)
     measure_frame_penetration(frame, clip, problem.pose)
@@ -172,7 +191,7 @@ def report_tier_residuals(fraction, tier, frame, clip, problem):
 
 @kernel
 def measure_frame_penetration(frame, clip, pose):
-    """Write the penetration of each self-collision constraint in the present pose."""
+    """Write the penetration in metres of each self-collision constraint in the pose of one frame."""
     place_capsules(clip.clearance.volume, pose, clip.clearance.proximal, clip.clearing.capsules)
     for side in range(2):
         measure_side_distances(side, clip, pose)
@@ -180,19 +199,20 @@ def measure_frame_penetration(frame, clip, pose):
 
 
 @kernel
-def interpolated_residual(fraction, residual, there, here):
-    """Residual reported for a task in transition: at ``fraction`` between those of two poses, ``there`` and ``here``.
+def interpolated_residual(fraction, residual, saved, solved):
+    """Residual reported for a task in transition, ``fraction`` of the way from the saved pose to the pose just solved.
 
-    If the task is inactive in the first pose, NaN, its measured ``residual`` fades out instead.
+    ``saved`` and ``solved`` are its residuals in the saved pose and in the pose just solved. If the task was inactive
+    in the saved pose (``saved`` is NaN), its measured ``residual`` is added with the weight 1 - ``fraction``.
     """
-    if math.isnan(there):
-        return here + (1.0 - fraction) * residual
-    return there + fraction * (here - there)
+    if math.isnan(saved):
+        return solved + (1.0 - fraction) * residual
+    return saved + fraction * (solved - saved)
 
 
 @kernel
 def has_active_task(limb, tasks):
-    """True if an active task has a point on a limb."""
+    """True if a task that is not inactive has a point on a limb."""
     named = False
     for c in range(tasks.shape[0]):
         for end in range(2):

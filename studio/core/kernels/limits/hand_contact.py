@@ -27,25 +27,25 @@ from studio.core.kernels.tasks.goals import interpolate_point
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 
 SPOT_WEIGHT, SPOT_ALONG, SPOT_NORMAL, SPOT_DISTANCE = 0, 1, 2, 5
-"""Columns of a contact point on a capsule: weight, fraction of the capsule's length, normal (3) in the axes of the
-segment where the capsule begins, and distance in metres.
+"""Columns of a contact point (6,) on a capsule: weight, fraction of the capsule's length, normal (3) in the axes of the
+segment where the capsule begins, and distance in metres from its surface.
 """
 PALM_PROBE = 3
 """Index of the probe in the palm."""
 HAND_ITERATIONS = 6
 """Iterations of a hand-hand contact: an arm near full extension makes only a part of each step."""
-HANDS_MEET = 0.05 * PRIORITY_TOLERANCE
-"""Distance in metres below which hands meet."""
+HANDS_MET_DISTANCE = 0.05 * PRIORITY_TOLERANCE
+"""Distance in metres, of both hands from their contact positions, below which the iteration ends."""
 PUSH_OUT_ITERATIONS = 3
-"""Sweeps over an arm's probes; further ones change nothing."""
+"""Iterations over an arm's probes; further ones change nothing."""
 
 
 @allocating_kernel
 def solve_hand_hand_contact(gaps, fractions, positions, rotations):
-    """Move arms of all frames, in place, until the right wrist lies ``gaps`` (F, 3) metres from the left one.
+    """Move the arms of all frames, in place, until the right wrist lies ``gaps`` (F, 3) metres from the left one.
 
-    ``fractions`` (F, 2) are the parts of the way that each arm takes; their sum is the weight of the contact. Hands
-    keep their rotations.
+    ``fractions`` (F, 2) are the parts of the displacement that each arm makes; their sum is the weight of the contact.
+    Hands keep their world rotations.
     """
     saved, rotation = Pose(np.empty((4, 3)), np.empty((3, 3, 3))), np.empty((3, 3))
     goal, shift = np.empty(3), np.zeros(ARM_STEP_SIZE)
@@ -64,7 +64,7 @@ def solve_hand_hand_contact(gaps, fractions, positions, rotations):
                 shift[axis] = left[axis] - right[axis] + goal[axis]
                 residual = max(residual, abs(shift[axis]))
                 shift[axis] *= -fractions[frame, 0] / whole
-            if residual < HANDS_MEET:
+            if residual < HANDS_MET_DISTANCE:
                 break
             move_wrist(0, shift, saved, rotation, pose)
             rest = min(4.0 * fractions[frame, 1] / whole, 1.0)  # all that the left one leaves, unless it is to stay
@@ -75,7 +75,7 @@ def solve_hand_hand_contact(gaps, fractions, positions, rotations):
 
 @kernel
 def move_wrist(side, shift, saved, rotation, pose):
-    """Move the wrist of an arm by a step ``shift`` (7,), as far as it reaches."""
+    """Move the wrist of an arm by the arm step ``shift`` (7,), as far as the arm reaches."""
     if shift[0] == 0.0 and shift[1] == 0.0 and shift[2] == 0.0:
         return
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
@@ -91,7 +91,7 @@ def move_wrist(side, shift, saved, rotation, pose):
 def solve_hand_body_contact(side, members, contact_points, contact_weight, volume, proximal, positions, rotations):
     """Move one arm of all frames, in place, until its palm lies at its ``contact_points`` (F, M, 6) on the body.
 
-    They are on M capsules ``members`` (M,) of ``volume``; ``contact_weight`` (F,) scales the displacement.
+    The points are on the capsules ``members`` (M,) of ``volume``; ``contact_weight`` (F,) scales the displacement.
     """
     saved, rotation = Pose(np.empty((4, 3)), np.empty((3, 3, 3))), np.empty((3, 3))
     capsules, position, shift = np.empty(volume.segments.shape[0], CAPSULE), np.empty(3), np.zeros(ARM_STEP_SIZE)
@@ -136,10 +136,10 @@ def solve_hand_body_contact(side, members, contact_points, contact_weight, volum
 
 @allocating_kernel
 def push_out_steps(required, actor, free, proximal, positions, rotations, out_moves):
-    """Write the steps (F, 2, 7) that push each arm out of the body.
+    """Write the arm steps (F, 2, 7) that push each arm out of the body.
 
-    ``required`` (F, 2, 5) are the signed distances of the probes; ``actor`` the record ``ActorClearance``; ``free`` (F,
-    2, 2) the weights of wrist, with the hand, and swivel. Poses stay unchanged.
+    ``required`` (F, 2, 5) are the signed distances required of the probes, ``actor`` the record ``ActorClearance``,
+    ``free`` (F, 2, 2) the weights of the wrist with its hand, and of the swivel. Poses stay unchanged.
     """
     clearing, step, spine_count = (
         make_clearance_scratch(actor.volume),
@@ -180,7 +180,7 @@ def push_out_steps(required, actor, free, proximal, positions, rotations, out_mo
 
 @allocating_kernel
 def apply_arm_steps(moves, positions, rotations):
-    """Apply steps (F, 2, 7) to both arms in all frames, in place."""
+    """Displace both arms of all frames by the arm steps ``moves`` (F, 2, 7), in place."""
     saved, rotation = Pose(np.empty((4, 3)), np.empty((3, 3, 3))), np.empty((3, 3))
     spine_count = positions.shape[1] - POINTS_BESIDE_SPINE
     for frame in range(positions.shape[0]):

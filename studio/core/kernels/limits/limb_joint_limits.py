@@ -1,24 +1,8 @@
 """Joint limits of limbs, and clamping of limbs to them (METHOD 10, (25) to (28)).
 
-``limits`` (4,), a record of ``LIMB_LIMITS`` a limb, is empty where joints are free. For all frames, of shoulder or hip
-and of wrist or ankle:
-
-- ``axes`` (2, 3, 3) of the joint at the middle of its range in the parent segment (z along the bone); - ``radii`` (2,
-4) of the swing about x, -x, y and -y; ``twists`` (2, 2) middle and half of the twist's range; - ``inner_cosines`` (2,
-4) of three quarters of the least radius and of half the range, cosine and sine of its middle; - of elbow or knee
-``bends`` (2,), ``aslant`` and ``turns`` (2,), in radians.
-
-For one frame:
-
-- the same of the unsolved pose: ``own_swings`` (2, 2), ``own_fractions`` (2,) of the limit, ``own_twists`` (2,),
-``own_bend``, ``own_slant``, ``own_turn``; - ``caps`` (2, 3) fractions of the limits for swing, twist and reverse twist
-now, ``agreed_caps`` (2, 3) those of the whole search, ``caps_unset`` before these are known, and both as they were when
-the level began; - ``certainty`` below 1 where a goal could be met by either way round; ``end_rotates`` if wrist or
-ankle has rotated; - ``release`` the fraction of its excess by which hand or foot is clamped, 0 for a planted foot,
-which has no limit; - ``is_active`` if a limit has moved the limb, and ``blocked_task`` the task that its limits keep
-from its goal, -1 none.
-
-The unsolved pose is never limited: where it is beyond a limit, the limit is its own angle.
+``limits`` (4,) has one ``LIMB_LIMITS`` record for each limb, and is empty where joints are free. Clamping is soft: a
+*cap* is the fraction of a limit that a clamped angle may reach. The unsolved pose is never limited: where it is beyond
+a limit, its own angle is the limit.
 """
 
 import math
@@ -49,49 +33,56 @@ from studio.core.kernels.limits.swing_twist import (
 _REAL = np.float64
 LIMB_LIMITS = np.dtype(
     [
-        ("axes", _REAL, (2, 3, 3)),
-        ("radii", _REAL, (2, 4)),
-        ("twists", _REAL, (2, 2)),
-        ("inner_cosines", _REAL, (2, 4)),
-        ("bends", _REAL, (2,)),
-        ("aslant", _REAL),
-        ("turns", _REAL, (2,)),
-        ("own_swings", _REAL, (2, 2)),
-        ("own_fractions", _REAL, (2,)),
-        ("own_twists", _REAL, (2,)),
-        ("own_bend", _REAL),
+        ("axes", _REAL, (2, 3, 3)),  # in the parent segment, z along the bone
+        ("radii", _REAL, (2, 4)),  # greatest swing about x, -x, y and -y
+        ("twists", _REAL, (2, 2)),  # middle and half of the twist's range
+        ("inner_cosines", _REAL, (2, 4)),  # bounds of ``is_well_within``
+        ("bends", _REAL, (2,)),  # least and greatest bend of elbow or knee
+        ("aslant", _REAL),  # greatest slant of elbow or knee
+        ("turns", _REAL, (2,)),  # middle and half of the range of the lower bone's twist
+        ("own_swings", _REAL, (2, 2)),  # swing x and y of the unsolved pose
+        ("own_fractions", _REAL, (2,)),  # unsolved swing, as a fraction of its limit
+        ("own_twists", _REAL, (2,)),  # unsolved twist
+        ("own_bend", _REAL),  # of elbow or knee in the unsolved pose
         ("own_slant", _REAL),
         ("own_turn", _REAL),
-        ("caps", _REAL, (2, 3)),
-        ("agreed_caps", _REAL, (2, 3)),
-        ("kept_caps", _REAL, (2, 3)),
-        ("kept_caps_unset", np.int64),
-        ("certainty", _REAL),
-        ("end_rotates", np.int64),
-        ("release", _REAL),
-        ("caps_unset", np.int64),
-        ("is_active", np.int64),
-        ("blocked_task", np.int64),
+        ("caps", _REAL, (2, 3)),  # present caps of swing, twist and reverse twist
+        ("agreed_caps", _REAL, (2, 3)),  # caps for the whole search
+        ("kept_caps", _REAL, (2, 3)),  # ``agreed_caps`` when the level began
+        ("kept_caps_unset", np.int64),  # ``caps_unset`` when the level began
+        ("certainty", _REAL),  # below 1 if either direction of rotation could lead to the goal
+        ("end_rotates", np.int64),  # 1 if wrist or ankle has rotated
+        ("release", _REAL),  # fraction of its excess by which hand or foot is clamped, 0 for a planted foot
+        ("caps_unset", np.int64),  # 1 until the caps of the search are known
+        ("is_active", np.int64),  # 1 if a limit has moved the limb
+        ("blocked_task", np.int64),  # task that limits keep from its goal, -1 none
     ],
     align=True,
 )
-SOFT_LIMIT = 0.95
-"""Fraction of its limit from which a joint is limited softly, so that it never stops at once."""
-SWIVEL_SOFT_LIMIT, SWIVEL_LIMIT = 0.75, 0.92
-"""Fractions of its limit between which a swivel is damped, if that leaves its point in place."""
+"""Joint limits of a limb, and their state at one frame.
+
+Fields of two are those of shoulder or hip, and of wrist or ankle. Angles are in radians; a joint's axes are those at
+the middle of its range.
+"""
+SOFT_LIMIT_FRACTION = 0.95
+"""Fraction of a joint's limit from which it is clamped softly, so that the joint never stops at once."""
+SWIVEL_SOFT_LIMIT_FRACTION, SWIVEL_LIMIT_FRACTION = 0.75, 0.92
+"""Fractions of a joint's limit at which the damping of a swivel begins, and at which the swivel stops."""
 SWIVEL_STEPS = 10
-"""Steps of a swivel towards a secondary task's goal."""
-SWIVEL_DAMPED = 0.1
-"""Fraction of a secondary task's swivel that damping removes before the swivel counts as damped."""
+"""Integration steps of a swivel towards a secondary task's goal."""
+DAMPED_SWIVEL_FRACTION = 0.1
+"""Fraction of a secondary task's swivel that damping has removed when the swivel counts as fully damped."""
 UNTWIST_RANGE = 0.3
-"""Excess of a swing, as a fraction of its limit, at which the motion's own twist is used."""
-HALF_TURN_FADE = 0.7
-"""Radians short of a half turn, beyond any limit, within which a goal fades: it could be met by either way round."""
+"""Excess of a swing, as a fraction of its limit, at which the clamped twist is replaced by the motion's own."""
+HALF_TURN_FADE_ANGLE = 0.7
+"""Angle in radians before half a turn, beyond any limit, within which a goal fades: either direction of rotation would
+lead to it.
+"""
 
 
 @kernel
 def swing_of(row, joint, parent, child):
-    """(swing x, swing y, twist) in radians of a segment's rotation ``child`` in its joint."""
+    """(swing x, swing y, twist) in radians of the world rotation ``child`` of a segment, in the axes of its joint."""
     axes = row.axes[joint]
     x = direction_in_axes(parent, axes, child[0, 0], child[1, 0], child[2, 0])
     z = direction_in_axes(parent, axes, child[0, 2], child[1, 2], child[2, 2])
@@ -100,9 +91,10 @@ def swing_of(row, joint, parent, child):
 
 @kernel
 def soft_clamp_above(value, own, free, most):
-    """``value`` up to ``free``, then f + (m - f)(1 - exp(-(v - f)/(m - f))), below ``most`` (METHOD (27)).
+    """``value`` up to the threshold f = ``free``, then f + (m - f)(1 - exp(-(v - f)/(m - f))), below m = ``most``
+    (METHOD (27)).
 
-    Both bounds are at least the motion's ``own`` value.
+    Threshold and limit are at least the motion's ``own`` value.
     """
     free, most = max(free, own), max(most, own)
     if value <= free:
@@ -113,7 +105,9 @@ def soft_clamp_above(value, own, free, most):
 
 @kernel
 def soft_clamp_both(fraction, own, free, most):
-    """``soft_clamp_above`` on either side of zero."""
+    """``fraction`` clamped softly as by ``soft_clamp_above``, at both signs: threshold ``free``, limit ``most``,
+    motion's value ``own``.
+    """
     return (
         soft_clamp_above(fraction, own, free, most)
         if fraction >= 0.0
@@ -123,16 +117,19 @@ def soft_clamp_both(fraction, own, free, most):
 
 @kernel
 def half_turn_certainty(angle, edge):
-    """Weight that fades to 0 as an angle beyond its limit ``edge`` comes near half a turn, where the nearer limit is
-    ambiguous.
+    """Weight in [0, 1] of a clamped angle beyond its limit ``edge`` (radians): it fades to 0 as the angle nears half a
+    turn, where the nearer limit is ambiguous.
     """
-    fraction = min(max(math.pi - angle, 0.0) / max(min(HALF_TURN_FADE, math.pi - edge), 1e-6), 1.0)
+    fraction = min(max(math.pi - angle, 0.0) / max(min(HALF_TURN_FADE_ANGLE, math.pi - edge), 1e-6), 1.0)
     return fraction * fraction * (3.0 - 2.0 * fraction)
 
 
 @kernel
 def note_unsolved_angles(limb, joints, limits, pose):
-    """Write the angles of one limb in the unsolved ``pose``: of its root, and with ``joints`` 2 of wrist or ankle."""
+    """Write the joint angles of one limb in the unsolved ``pose`` into its ``LIMB_LIMITS`` record.
+
+    With ``joints`` 1 those of shoulder or hip and elbow or knee, with 2 also those of wrist or ankle.
+    """
     row, rotations = limits[limb], pose.rotations
     carrier, upper, _ = limb_parts(limb, rotations.shape[0] - SEGMENTS_BESIDE_SPINE)
     for joint in range(joints):
@@ -148,7 +145,7 @@ def note_unsolved_angles(limb, joints, limits, pose):
 
 @kernel
 def save_caps(limits):
-    """Save the caps at the start of a level."""
+    """Save the soft upper bounds (caps) of all limbs at the start of a level."""
     for limb in range(limits.shape[0]):
         row = limits[limb]
         row.kept_caps_unset = row.caps_unset
@@ -158,7 +155,7 @@ def save_caps(limits):
 
 @kernel
 def restore_caps(limits):
-    """Restore the caps saved at the start of the level."""
+    """Restore the soft upper bounds (caps) saved at the start of the level."""
     for limb in range(limits.shape[0]):
         row = limits[limb]
         row.caps_unset = row.kept_caps_unset
@@ -168,7 +165,7 @@ def restore_caps(limits):
 
 @kernel
 def is_well_within(limb, joint, limits, rotations):
-    """True if a joint is far within its limits, so that nothing has to be computed."""
+    """True if a joint is so far within its limits that no clamping has to be computed."""
     row = limits[limb]
     carrier, upper, _ = limb_parts(limb, rotations.shape[0] - SEGMENTS_BESIDE_SPINE)
     parent, child = rotations[carrier if joint == 0 else upper + 1], rotations[upper + 2 * joint]
@@ -183,8 +180,8 @@ def is_well_within(limb, joint, limits, rotations):
 
 @kernel
 def update_caps(row, joint, swing):
-    """Update the soft upper bounds (caps) of a joint for a requested ``swing``: the swing itself up to ``SOFT_LIMIT``,
-    then softly less (METHOD (27)).
+    """Update the soft upper bounds (caps) of a joint for a requested ``swing``: the swing itself up to
+    ``SOFT_LIMIT_FRACTION``, then softly less (METHOD (27)).
     """
     own, own_turn = (
         row.own_fractions[joint],
@@ -192,15 +189,19 @@ def update_caps(row, joint, swing):
     )
     fraction = swing_fraction(row.radii[joint], swing[0], swing[1])
     rotation = range_fraction(row.twists[joint, 0], row.twists[joint, 1], swing[2])
-    row.caps[joint, 0] = max(soft_clamp_above(fraction, own, SOFT_LIMIT, 1.0), max(own, SOFT_LIMIT))
-    row.caps[joint, 1] = max(soft_clamp_above(rotation, own_turn, SOFT_LIMIT, 1.0), max(own_turn, SOFT_LIMIT))
-    row.caps[joint, 2] = max(soft_clamp_above(-rotation, -own_turn, SOFT_LIMIT, 1.0), max(-own_turn, SOFT_LIMIT))
+    row.caps[joint, 0] = max(soft_clamp_above(fraction, own, SOFT_LIMIT_FRACTION, 1.0), max(own, SOFT_LIMIT_FRACTION))
+    row.caps[joint, 1] = max(
+        soft_clamp_above(rotation, own_turn, SOFT_LIMIT_FRACTION, 1.0), max(own_turn, SOFT_LIMIT_FRACTION)
+    )
+    row.caps[joint, 2] = max(
+        soft_clamp_above(-rotation, -own_turn, SOFT_LIMIT_FRACTION, 1.0), max(-own_turn, SOFT_LIMIT_FRACTION)
+    )
 
 
 @kernel
 def clamped_twist(row, joint, swing):
-    """(swing x, swing y, twist) with the twist clamped to its range, and blended to the source motion's the further out
-    it is.
+    """(swing x, swing y, twist) with the twist clamped to its range; the farther out it was, the more it is blended to
+    the source motion's twist.
 
     Opposite to the middle of its range a twist could return in either direction, and so could any twist of a bone
     opposite to the middle of its swings: in both places the source motion's twist is used, which never flips.
@@ -215,10 +216,10 @@ def clamped_twist(row, joint, swing):
     own_turn = range_fraction(middle, half, own)
     least, most = min(own_turn, -1.0), max(own_turn, 1.0)
     kept = min(max(rotation, least), most)
-    if kept == rotation and fraction <= max(SOFT_LIMIT, row.own_fractions[joint]):
+    if kept == rotation and fraction <= max(SOFT_LIMIT_FRACTION, row.own_fractions[joint]):
         return swing
     share = limit_fade(abs(rotation - kept) * half / (math.pi - half * abs(kept))) if kept != rotation else 1.0
-    share *= limit_fade((fraction - max(SOFT_LIMIT, row.own_fractions[joint])) / UNTWIST_RANGE)
+    share *= limit_fade((fraction - max(SOFT_LIMIT_FRACTION, row.own_fractions[joint])) / UNTWIST_RANGE)
     return x, y, middle + half * (own_turn + share * (kept - own_turn))
 
 
@@ -231,7 +232,9 @@ def limit_fade(fraction):
 
 @kernel
 def clamped_to_caps(row, joint, swing):
-    """(swing x, swing y, twist) clamped to the caps, and the weight of ``half_turn_certainty``."""
+    """(swing x, swing y, twist, certainty): angles clamped to the caps, and the weight by which the clamped swing is
+    unambiguous.
+    """
     x, y, twist = swing
     own_x, own_y, own_part = row.own_swings[joint, 0], row.own_swings[joint, 1], row.own_fractions[joint]
     fraction = swing_fraction(row.radii[joint], x, y)
@@ -251,10 +254,11 @@ def clamped_to_caps(row, joint, swing):
 
 @kernel
 def damped_swivel(row, parent, upper, ax, ay, az, desired):
-    """Angle of a swivel of ``desired`` radians about a world axis after damping by the limits.
+    """Angle in radians of a swivel of ``desired`` radians about the world axis (ax, ay, az), damped near the joint
+    limits.
 
-    It is integrated in ``SWIVEL_STEPS`` steps from the present pose: clamped from beyond, it could return by either way
-    round. A damped swivel of half a turn fades for the same reason.
+    It is integrated in ``SWIVEL_STEPS`` steps from the present pose: an angle clamped from beyond the limits could
+    return in either direction. A damped swivel of half a turn fades for the same reason.
     """
     axes, radii, well = row.axes[0], row.radii[0], row.inner_cosines[0]
     middle, half = row.twists[0, 0], row.twists[0, 1]
@@ -277,27 +281,28 @@ def damped_swivel(row, parent, upper, ax, ay, az, desired):
                 remaining = min(remaining, remaining_freedom(abs(rotation), own if rotation > 0.0 else -own))
         angle += remaining * desired / SWIVEL_STEPS
         x, z = rotate_about_axis(a, angle, x0), rotate_about_axis(a, angle, z0)
-    braked = min(1.0 - angle / desired, SWIVEL_DAMPED) / SWIVEL_DAMPED if desired != 0.0 else 0.0
+    braked = min(1.0 - angle / desired, DAMPED_SWIVEL_FRACTION) / DAMPED_SWIVEL_FRACTION if desired != 0.0 else 0.0
     return angle * (1.0 - braked * (1.0 - half_turn_certainty(abs(desired), 0.0)))
 
 
 @kernel
 def remaining_freedom(fraction, own):
-    """Damping factor of a rotation towards a limit at ``fraction`` of its range: 1 up to ``SWIVEL_SOFT_LIMIT``, 0 from
-    ``SWIVEL_LIMIT`` on.
+    """Damping factor of a rotation towards a limit, at ``fraction`` of its range: 1 up to
+    ``SWIVEL_SOFT_LIMIT_FRACTION``, 0 from ``SWIVEL_LIMIT_FRACTION`` on.
 
-    Both are at least ``own``, the fraction at which the source motion is.
+    Both thresholds are at least ``own``, the fraction in the source motion.
     """
-    free, most = max(SWIVEL_SOFT_LIMIT, own), max(SWIVEL_LIMIT, own)
+    free, most = max(SWIVEL_SOFT_LIMIT_FRACTION, own), max(SWIVEL_LIMIT_FRACTION, own)
     return min(max((most - fraction) / max(most - free, 1e-3), 0.0), 1.0)
 
 
 @kernel
-def clamp_joint(limb, joint, anew, noting, limits, pose):
-    """Clamp shoulder or hip (``joint`` 0), or wrist or ankle (1) unless its end is planted, to its limits; True if it
-    moved.
+def clamp_joint(limb, joint, task_moved, updates_caps, limits, pose):
+    """Clamp one joint of a limb to its limits; True if it moved. ``joint`` 0 is shoulder or hip, 1 wrist or ankle,
+    which is not clamped if its foot is planted.
 
-    ``anew`` is true if a task has moved the joint since it was clamped; ``noting`` updates its caps.
+    ``task_moved`` is true if a task has moved the joint since it was last clamped; ``updates_caps`` to update its soft
+    bounds (caps).
     """
     positions, rotations = pose
     row, fraction = limits[limb], 1.0
@@ -307,8 +312,8 @@ def clamp_joint(limb, joint, anew, noting, limits, pose):
         if fraction == 0.0:
             return False
     swing = swing_of(row, joint, rotations[parent], rotations[segment])
-    desired = clamped_twist(row, joint, swing) if anew else swing
-    if noting:
+    desired = clamped_twist(row, joint, swing) if task_moved else swing
+    if updates_caps:
         update_caps(row, joint, desired)
     x, y, twist, sure = clamped_to_caps(row, joint, desired)
     if joint == 0:  # a hand or foot falls back to the motion's own rotation; the goal of its limb stays
@@ -324,7 +329,7 @@ def clamp_joint(limb, joint, anew, noting, limits, pose):
 
 @kernel
 def clamp_elbow_or_knee(limb, limits, pose):
-    """Clamp a forearm or shank that was rotated for itself to the limits of elbow or knee."""
+    """Clamp elbow or knee to its limits, after a task has rotated forearm or shank itself; True if it moved."""
     _, upper, root = limb_parts(limb, pose.positions.shape[0] - POINTS_BESIDE_SPINE)
     return clamp_bend(limits[limb], upper, pose.positions[root + 1], pose)
 
@@ -342,10 +347,10 @@ def clamp_bend(row, upper, pivot, pose):
     )
     tilt, own_tilt = slant / row.aslant, row.own_slant / row.aslant
     kept, kept_twist = (
-        soft_clamp_both(fraction, own_part, SOFT_LIMIT, 1.0),
-        soft_clamp_both(twist, own_twist, SOFT_LIMIT, 1.0),
+        soft_clamp_both(fraction, own_part, SOFT_LIMIT_FRACTION, 1.0),
+        soft_clamp_both(twist, own_twist, SOFT_LIMIT_FRACTION, 1.0),
     )
-    kept_tilt = soft_clamp_both(tilt, own_tilt, SOFT_LIMIT, 1.0)
+    kept_tilt = soft_clamp_both(tilt, own_tilt, SOFT_LIMIT_FRACTION, 1.0)
     if kept == fraction and kept_twist == twist and kept_tilt == tilt:
         return False
     share = half_turn_certainty(0.5 * math.pi + abs(slant), 0.5 * math.pi + row.aslant) if kept_tilt != tilt else 1.0

@@ -16,7 +16,7 @@ from studio.core.kernels.algebra.rotation_tuples import (
 from studio.core.kernels.body.parts import rotate_part
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel, small_kernel
-from studio.core.kernels.limbs.reach import bend_coefficients
+from studio.core.kernels.limbs.limb_reach import bend_coefficients
 from studio.core.kernels.limits.swing_twist import (
     range_fraction,
     swing_and_twist,
@@ -27,19 +27,21 @@ from studio.core.kernels.limits.swing_twist import (
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 
 SIDEWAYS_DAMPING, FAR_DAMPING, LEAST_DAMPING = 4.0, 0.01, 1e-4
-"""Damping of the step per radian squared: relative to the squared residual across the limb (Yamashita and Fukushima
-2001), and to the squared length of the limb, where more than ``NEARLY_MET`` is left, and at least, the latter as for a
-lever of one metre in a step of all joints.
+"""Terms of the damping of a step, per radian squared: factor of the squared residual across the limb (Yamashita and
+Fukushima 2001), and factors of the squared limb length, the first where more than ``NEARLY_MET_RESIDUAL`` is left, the
+second always, which equals the damping of a full step for a lever of one metre.
 """
-NEARLY_MET = 20.0 * PRIORITY_TOLERANCE
-"""Residual in metres below which a target is nearly met: late steps are whole, and half of ``FAR_DAMPING`` counts."""
+NEARLY_MET_RESIDUAL = 20.0 * PRIORITY_TOLERANCE
+"""Residual in metres at which a target is nearly met: late steps are full up to it, and half of ``FAR_DAMPING`` applies
+at it.
+"""
 HILDRETH_ITERATIONS = 4
-"""Iterations over the bounds (Hildreth 1957)."""
+"""Iterations over the bounds in Hildreth's method (Hildreth 1957)."""
 
 
 @small_kernel
 def rotate_vector(rotation, x, y, z):
-    """Vector (x, y, z) rotated."""
+    """Vector (x, y, z) rotated by a rotation tuple."""
     return (
         rotation[0] * x + rotation[1] * y + rotation[2] * z,
         rotation[3] * x + rotation[4] * y + rotation[5] * z,
@@ -61,11 +63,11 @@ def dot_product(a, b):
 
 @kernel
 def limited_limb_step(fraction, limit, parts, moved, goal, spans, pose):
-    """Move the point at ``moved`` (3,) of a limb by ``fraction`` of a step towards ``goal`` (x, y, z) within its
-    ``limit``; the angle of the step in radians.
+    """Move the point at ``moved`` (3,) of a limb by ``fraction`` of a step towards ``goal`` (x, y, z) within its joint
+    limits.
 
-    ``parts`` (parent, upper segment, root point); ``spans`` (least, most) distance in metres of the point from the
-    root. The subtree moves along.
+    Returns the angle of the step in radians. ``limit`` is a ``LIMB_LIMITS`` record, ``parts`` (parent, upper segment,
+    root point), ``spans`` the (least, greatest) distance in metres of the point from the root. The subtree moves along.
     """
     positions, rotations = pose
     parent, upper, root = parts
@@ -91,8 +93,8 @@ def limited_limb_step(fraction, limit, parts, moved, goal, spans, pose):
 
 @kernel
 def radial_error(e, r):
-    """Error ``e`` of a point at ``r`` from the root of its limb, its component perpendicular to r reduced to what a
-    rotation about the root removes (METHOD (28)).
+    """Error vector ``e`` of a point at ``r`` from the root of its limb, reduced across r to the part that a rotation
+    about the root removes (METHOD (28)).
     """
     squared = max(dot_product(r, r), 1e-12)
     far = dot_product(r, r) + 2.0 * dot_product(r, e) + dot_product(e, e)
@@ -103,7 +105,9 @@ def radial_error(e, r):
 
 @kernel
 def bend_margins(root, middle, hinge, point, spans):
-    """(least, greatest) rotation about the hinge that keeps ``point`` between two distances from the root."""
+    """(least, greatest) rotation in radians about the hinge that keeps the distance of ``point`` from ``root`` within
+    ``spans``, a pair in metres.
+    """
     c0, c1, angle, side = bend_coefficients(root, middle, hinge, point)
     if c1 < 1e-9:
         return 0.0, 0.0
@@ -116,9 +120,12 @@ def bend_margins(root, middle, hinge, point, spans):
 
 @kernel
 def hildreth_step(limit, r, c, e, h, z, bends):
-    """Damped least-squares step (x, y, z, bend), a rotation vector and the bend of a limb, within its joint limits.
+    """Damped least-squares step (x, y, z, bend) of a limb within its joint limits: rotation vector of its root and bend
+    of its middle joint, radians.
 
-    Least |J x - e|^2 + k |x|^2 under the linear inequalities of the limits, by Hildreth's method (METHOD (28)).
+    It minimises |J x - e|^2 + k |x|^2 under the linear inequalities of the limits, by Hildreth's method (METHOD (28)).
+    ``r`` and ``c`` are the point's lever and its velocity by the bend, ``e`` its error, ``h`` and ``z`` the axes of
+    hinge and bone.
     """
     sx, sy, twist = swing_and_twist(h, z)
     fraction, half = swing_fraction(limit.radii[0], sx, sy), limit.twists[0, 1]
@@ -131,7 +138,7 @@ def hildreth_step(limit, r, c, e, h, z, bends):
     )
     long = max(dot_product(r, r), 1e-9)
     residual = dot_product(e, e)
-    far = residual / (residual + NEARLY_MET * NEARLY_MET)
+    far = residual / (residual + NEARLY_MET_RESIDUAL * NEARLY_MET_RESIDUAL)
     damping = (LEAST_DAMPING + far * FAR_DAMPING) * long + SIDEWAYS_DAMPING * (residual - dot_product(e, r) ** 2 / long)
     a = damped_inverse(r, c, damping)
     y = rotate_vector(a, e[0], e[1], e[2])
@@ -153,14 +160,16 @@ def hildreth_step(limit, r, c, e, h, z, bends):
 
 @small_kernel
 def subtract_scaled(x, fraction, y):
-    """x - ``fraction`` y."""
+    """Vector x - ``fraction`` y of two vectors (3,)."""
     return x[0] - fraction * y[0], x[1] - fraction * y[1], x[2] - fraction * y[2]
 
 
 @kernel
 def bound_multiplier(push, value, least, most, give):
-    """Updated Lagrange multiplier of a bound, from its present multiplier ``push``, the constraint's ``value``, and
-    ``give``, the response of the value to a unit multiplier (METHOD (28)).
+    """Updated Lagrange multiplier of the bounds ``least`` to ``most`` of a ``value``, from its present multiplier
+    ``push``.
+
+    ``give`` is the response of the value to a unit multiplier (METHOD (28)).
     """
     above, below = push + (value - most) / give, push + (value - least) / give
     return above if above > 0.0 else min(below, 0.0)
@@ -168,7 +177,9 @@ def bound_multiplier(push, value, least, most, give):
 
 @kernel
 def damped_inverse(r, c, damping):
-    """Symmetric (J J^T + k 1)^-1 as nine numbers, for J (rotation, bend) = rotation × r + bend c and the damping k."""
+    """Symmetric inverse (J J^T + k 1)^-1 as nine numbers, for J (rotation, bend) = rotation × r + bend c and the
+    damping k.
+    """
     squared = dot_product(r, r) + damping
     xx, yy, zz = (
         squared - r[0] * r[0] + c[0] * c[0],
@@ -185,10 +196,10 @@ def damped_inverse(r, c, damping):
 
 @kernel
 def bound_response(rotation, bend, r, c, a, damping):
-    """Change (rotation, bend) of the damped least-squares step per unit multiplier of a bound whose gradient is
-    (rotation, bend).
+    """Change (rotation, bend) of the damped least-squares step for a unit multiplier of a bound whose gradient is
+    (``rotation``, ``bend``).
 
-    It is (1 - J^T (J J^T + k 1)^-1 J) / k times the gradient, ``a`` being the inverse of ``damped_inverse``.
+    It is (1 - J^T (J J^T + k 1)^-1 J) / k times the gradient, with ``a`` the result of ``damped_inverse``.
     """
     vx, vy, vz = cross_product(rotation, r)
     y = rotate_vector(a, vx + bend * c[0], vy + bend * c[1], vz + bend * c[2])

@@ -1,8 +1,8 @@
-"""Limit of the root by the legs on planted feet (METHOD 11)."""
+"""Root displacement limited by the reach of the legs on planted feet (METHOD 11)."""
 
 import math
 
-from studio.core.kernels import layout as at
+from studio.core.kernels import measure_columns as measure
 from studio.core.kernels.algebra.vectors import distance
 from studio.core.kernels.body_indices import HIP_POINT, POINTS_BESIDE_SPINE, POINTS_PER_LIMB
 from studio.core.kernels.compiling import kernel
@@ -10,16 +10,22 @@ from studio.core.kernels.compiling import kernel
 ROOT_REACH_ITERATIONS = 6
 """Iterations over both legs."""
 HALF_FREE_REACH = 0.3
-"""Growth of the reach of a limb's root, as a fraction of its length, when its contact is half released."""
+"""Additional reach, as a fraction of the limb's length, that a half released contact gives the limb's root."""
 ROOT_REACH_DAMPING = 0.1 * HALF_FREE_REACH
-"""Fraction of a leg's length over which the root is decelerated before the end of the leg's reach."""
+"""Width, as a fraction of a leg's length, of the zone before the end of the leg's reach in which the root is
+decelerated.
+"""
 
 
 @kernel
 def root_reach_of(side, body, start):
-    """(length, braking margin) in metres of the distance hip-ankle, at least that of the motion."""
+    """(length, margin) in metres: greatest distance hip-ankle that the root may cause, and width of the braking zone
+    before it.
+
+    The length is at least the distance in the unsolved pose ``start``.
+    """
     measures, root_reaches, legs = body.measures, body.root_reaches, body.legs
-    length = measures[at.MEASURE_LEG + 2 * side] + measures[at.MEASURE_LEG + 2 * side + 1]
+    length = measures[measure.LEG + 2 * side] + measures[measure.LEG + 2 * side + 1]
     hip = start.positions[start.positions.shape[0] - POINTS_BESIDE_SPINE + HIP_POINT + POINTS_PER_LIMB * side]
     own = distance(hip, legs.ankles[side])
     root_reach = max(root_reaches[side] * length, own)
@@ -28,7 +34,7 @@ def root_reach_of(side, body, start):
 
 @kernel
 def release_fraction(side, body):
-    """1 for a free foot, 0 for a planted one, between as the reach of the root has grown."""
+    """Fraction to which a foot is released from the ground: 1 for a free foot, 0 for a planted one."""
     root_reach, soft_threshold = body.root_reaches[side], body.legs.soft_thresholds[side]
     return (
         1.0
@@ -39,8 +45,8 @@ def release_fraction(side, body):
 
 @kernel
 def limit_root_step(body, start, segment_rotations, moved, displacement):
-    """``displacement`` (x, y, z) of a root already ``moved`` (3,), limited to the reach of both legs in turn (METHOD
-    7).
+    """``displacement`` (x, y, z) of a root already ``moved`` (3,), limited so that the feet of planted legs stay in
+    reach (METHOD 7).
     """
     ankles, (wx, wy, wz) = body.legs.ankles, displacement
     positions, pelvis = start.positions, segment_rotations[0]

@@ -1,4 +1,4 @@
-"""Self-collision constraints of the arms in one frame: before its tasks, and again after them."""
+"""Self-collision constraints of the arms in one frame: arms are pushed out before the tasks, and again after them."""
 
 import math
 
@@ -28,14 +28,16 @@ from studio.core.kernels.tasks.task_kinds import residual_of, update_goals
 from studio.core.kernels.tasks.task_status import INACTIVE
 
 TASK_BELOW, TASK_BESIDE, TASK_ABOVE, TASK_IS_CONTACT = range(4)
-"""Relation of a task to a self-collision constraint; a contact stands above all."""
+"""Priority of a task relative to a self-collision constraint: lower, equal, higher, or a contact, which is higher than
+all.
+"""
 CLEARANCE_VIOLATION = 0.1 * PRIORITY_TOLERANCE
-"""Change of a residual above, in metres or radians, that pushing an arm out may cause."""
+"""Greatest change of a higher task's residual, in metres or radians, by pushing an arm out."""
 
 
 @allocating_kernel
 def make_clearance_scratch(volume):
-    """Scratch of the self-collision constraints."""
+    """``ClearanceScratch`` for a body ``volume``."""
     return ClearanceScratch(
         np.empty(volume.segments.shape[0], CAPSULE),
         np.empty((2, PROBE_COUNT)),
@@ -50,10 +52,10 @@ def make_clearance_scratch(volume):
 
 @kernel
 def clear_before_tasks(frame, is_clear, clip, pose):
-    """Push the arms of one frame out before its tasks, unless a task above is active; True if the arms have to wait for
-    it.
+    """Push the arms of one frame out of the body before its tasks; True if they have to wait because a higher task is
+    active.
 
-    Constraints of lower tiers always wait. A pose that ``is_clear`` is only measured.
+    Constraints of lower tiers always wait. If the pose ``is_clear`` already, its distances are only measured.
     """
     clearance, clearing = clip.clearance, clip.clearing
     waited = waits_for_tasks(frame, clip)
@@ -77,7 +79,9 @@ def clear_before_tasks(frame, is_clear, clip, pose):
 
 @kernel
 def measure_side_distances(side, clip, pose):
-    """Write the signed distances of one arm; the capsules of its body have to be placed before."""
+    """Write the signed distances and outward directions of one arm's probes into the scratch; capsules must be placed
+    before.
+    """
     clearing = clip.clearing
     measure_arm_distances(
         side, clip.clearance.volume, clearing.capsules, pose.positions, clearing.distances[side], clearing.directions
@@ -86,7 +90,7 @@ def measure_side_distances(side, clip, pose):
 
 @kernel
 def waits_for_tasks(frame, clip):
-    """True if a task above the highest self-collision constraints is active."""
+    """True if a task with a higher priority than the self-collision constraints of tier 0 is active."""
     clearance, activations = clip.clearance, clip.constraints.activations
     last, found = activations.shape[0] - 1, False
     for q in range(clearance.above.shape[0]):
@@ -98,11 +102,11 @@ def waits_for_tasks(frame, clip):
 
 @allocating_kernel
 def clear_after_tasks(frame, tier, acted, waited, clip, problem):
-    """Push arms out again that tasks have moved (``acted``), or for the first time (``waited``), down to one ``tier``;
-    write the penetration.
+    """Push arms out of the body after the tasks of one ``tier``, and write the penetration of all constraints.
 
-    A task above holds its part of the arm by its activation: a wrist or hand still lets the elbow swivel, a point
-    further up holds the whole arm. An arm stays where it is if a residual above would change.
+    ``acted``: tasks have moved the body; ``waited``: arms were not pushed out before the tasks. A task with a higher
+    priority holds its part of the arm by its activation: one on wrist or hand still lets the elbow swivel, one farther
+    up holds the whole arm. An arm stays where it is if a higher task's residual would change.
     """
     clearance, clearing, pose = clip.clearance, clip.clearing, problem.pose
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
@@ -146,7 +150,10 @@ def clear_after_tasks(frame, tier, acted, waited, clip, problem):
 
 @kernel
 def write_penetration(frame, clearance, distances):
-    """Write the penetration of each constraint at one frame in metres, NaN where inactive; ``distances`` (2, 5)."""
+    """Write the penetration in metres of each self-collision constraint at one frame, NaN where inactive.
+
+    ``distances`` (2, 5) are the signed distances of both arms' probes.
+    """
     required, activations, arms, residuals = (
         clearance.required_distances,
         clearance.activations,
@@ -164,7 +171,7 @@ def write_penetration(frame, clearance, distances):
 
 @kernel
 def violates_priority(frame, above, clip, problem):
-    """True if the residual of a task above has changed."""
+    """True if the residual of a task with a higher priority (``above`` (C,), ``TASK_ABOVE`` or more) has changed."""
     changed, tasks = False, problem.tasks
     update_goals(tasks.shape[0], True, problem)
     for c in range(tasks.shape[0]):
@@ -176,8 +183,8 @@ def violates_priority(frame, above, clip, problem):
 
 @kernel
 def arm_task_fractions(side, tasks, above, spine_count, out_holds):
-    """Write the fractions (3,) from 0 to 1 to which higher tasks hold an arm's wrist, its hand's rotation and its
-    swivel.
+    """Write the fractions (3,) to which higher tasks hold an arm's wrist, its hand's rotation and its swivel, 0 to
+    1.
     """
     out_holds[0], out_holds[1], out_holds[2] = 0.0, 0.0, 0.0
     upper, wrist = (

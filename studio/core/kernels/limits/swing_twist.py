@@ -7,7 +7,9 @@ from studio.core.kernels.compiling import kernel
 
 @kernel
 def direction_in_axes(parent, axes, x, y, z):
-    """World direction (x, y, z) in the ``axes`` (3, 3) of a joint on the segment ``parent`` (3, 3)."""
+    """World direction (x, y, z) in the ``axes`` (3, 3) of a joint on a segment with world rotation ``parent`` (3,
+    3).
+    """
     px = parent[0, 0] * x + parent[1, 0] * y + parent[2, 0] * z
     py = parent[0, 1] * x + parent[1, 1] * y + parent[2, 1] * z
     pz = parent[0, 2] * x + parent[1, 2] * y + parent[2, 2] * z
@@ -20,7 +22,9 @@ def direction_in_axes(parent, axes, x, y, z):
 
 @kernel
 def swing_and_twist(x, z):
-    """Swing (a rotation vector about x and y) and twist about z of a rotation with columns ``x`` and ``z`` (25)."""
+    """(swing x, swing y, twist) in radians of a rotation with columns ``x`` and ``z``: rotation vector about x and y,
+    and twist about z (METHOD (25)).
+    """
     twist = math.atan2(x[1] - (z[1] * x[2] - z[2] * x[1]), x[0] + z[2] * x[0] - z[0] * x[2])
     across = math.sqrt(z[0] * z[0] + z[1] * z[1])
     k = math.atan2(across, z[2]) / across if across > 1e-9 else 1.0
@@ -29,8 +33,10 @@ def swing_and_twist(x, z):
 
 @kernel
 def swing_fraction(radii, x, y):
-    """Swing relative to its limit: 1 on the cone whose section is a quarter of an ellipse in each quadrant (METHOD
+    """Swing (x, y) relative to its limit: 1 on a cone whose section is a quarter of an ellipse in each quadrant (METHOD
     (26)).
+
+    ``radii`` (4,) are the limits in radians about x, -x, y and -y.
     """
     along, across = x / radii[0 if x >= 0.0 else 1], y / radii[2 if y >= 0.0 else 3]
     return math.sqrt(along * along + across * across)
@@ -38,13 +44,13 @@ def swing_fraction(radii, x, y):
 
 @kernel
 def wrap_angle(angle):
-    """Angle between -pi and pi."""
+    """Angle in radians, wrapped to the range -pi to pi."""
     return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
 
 
 @kernel
 def range_fraction(middle, half, angle):
-    """Angle relative to its range: 0 in the middle, 1 and -1 at the ends."""
+    """Angle relative to its range: 0 in the ``middle``, 1 and -1 at the ends, ``half`` away from it (radians)."""
     return wrap_angle(angle - middle) / half
 
 
@@ -63,7 +69,9 @@ def bend_carrying_twist(upper, lower):
 
 @kernel
 def swing_gradient(radii, z, sx, sy, fraction):
-    """Gradient (3,) of ``swing_fraction`` with respect to a rotation of the bone ``z``."""
+    """Gradient (x, y, z) of ``swing_fraction`` at the swing (sx, sy) with respect to a rotation of the bone along
+    ``z``.
+    """
     across = max(math.sqrt(z[0] * z[0] + z[1] * z[1]), 1e-6)
     size = math.sqrt(sx * sx + sy * sy)
     px, py = sx / radii[0 if sx >= 0.0 else 1] ** 2, sy / radii[2 if sy >= 0.0 else 3] ** 2
@@ -75,14 +83,14 @@ def swing_gradient(radii, z, sx, sy, fraction):
 
 @kernel
 def twist_gradient(z):
-    """Gradient (3,) of the twist with respect to a rotation of the bone ``z``."""
+    """Gradient (x, y, z) of the twist with respect to a rotation of the bone along ``z``."""
     scale = 1.0 / max(1.0 + z[2], 1e-3)
     return scale * z[0], scale * z[1], 1.0
 
 
 @kernel
 def rotate_about_axis(a, angle, v):
-    """``v`` (3,) rotated about the unit axis ``a`` (Rodrigues)."""
+    """Vector ``v`` (3,) rotated by ``angle`` radians about the unit axis ``a`` (Rodrigues)."""
     c, s = math.cos(angle), math.sin(angle)
     along = (1.0 - c) * (a[0] * v[0] + a[1] * v[1] + a[2] * v[2])
     return (

@@ -1,8 +1,8 @@
-"""Swing-twist coordinates of limb joints about the middles of their limits (METHOD (25) to (28) and (37)).
+"""Swing-twist coordinates of limb joints, centred on their limits (METHOD (25) to (28) and (37)).
 
-Rotations (F, 16, 3, 3) are of joints in their parents, angles (F, 16, 3) four a limb: shoulder or hip and wrist or
-ankle by swing and twist, elbow or knee by bend, slant and turn, toes by a rotation vector. ``limits`` (4,) as in
-``kernels.limits.limb_joint_limits``; ``limbs`` (4,) selects limbs.
+Rotations (F, 16, 3, 3) are those of joints in their parents, angles (F, 16, 3) in radians, four joints a limb: shoulder
+or hip and wrist or ankle by swing and twist, elbow or knee by bend, slant and turn, toes by a rotation vector.
+``limits`` (4,) are records of ``kernels.limits.limb_joint_limits``; ``limbs`` (4,) is 1 for the limbs to be computed.
 """
 
 import math
@@ -23,7 +23,9 @@ from studio.core.kernels.limits.swing_twist import swing_and_twist, swing_fracti
 
 @kernel
 def write_limb_rotations(parents, segments, rotations, out_rotations):
-    """Write the rotations of ``segments`` (16,) in their parents, from world rotations (F, S, 3, 3)."""
+    """Write the rotations (F, 16, 3, 3) of ``segments`` (16,) in their ``parents``, from world rotations (F, S, 3,
+    3).
+    """
     for frame in range(rotations.shape[0]):
         for joint in range(segments.shape[0]):
             rotation = relative_rotation(rotations[frame, parents[joint]], rotations[frame, segments[joint]])
@@ -32,7 +34,7 @@ def write_limb_rotations(parents, segments, rotations, out_rotations):
 
 @kernel
 def write_limb_angles(limbs, rotations, limits, out_angles):
-    """Write the swing-twist coordinates of the joints of limbs."""
+    """Write the swing-twist coordinates (F, 16, 3) of the selected limbs' joints from their rotations."""
     for frame in range(rotations.shape[0]):
         for limb in range(4):
             for joint in range(4 * limb, 4 * limb + 4):
@@ -42,7 +44,7 @@ def write_limb_angles(limbs, rotations, limits, out_angles):
 
 @kernel
 def write_joint_angles(joint, rotation, row, out_angles):
-    """Write the swing-twist coordinates (3,) of one joint."""
+    """Write the swing-twist coordinates (3,) of one joint from its rotation (3, 3)."""
     if joint == 3:
         copy_point(rotation_vector(rotation_from_matrix(rotation)), out_angles)
     else:
@@ -51,7 +53,7 @@ def write_joint_angles(joint, rotation, row, out_angles):
 
 @kernel
 def limited_angles(joint, rotation, row):
-    """Swing-twist coordinates (3 numbers) of a joint with limits."""
+    """Swing-twist coordinates, 3 numbers, of a joint that has limits."""
     if joint == 1:
         bend, slant = math.atan2(-rotation[5], rotation[8]), math.asin(min(max(rotation[2], -1.0), 1.0))
         bend -= 0.5 * (row.bends[0] + row.bends[1])
@@ -63,7 +65,7 @@ def limited_angles(joint, rotation, row):
 
 @kernel
 def write_rotations_from_angles(limbs, angles, limits, out_rotations):
-    """Write the rotations of the joints of limbs from their swing-twist coordinates."""
+    """Write the rotations (F, 16, 3, 3) of the selected limbs' joints from their swing-twist coordinates."""
     for frame in range(angles.shape[0]):
         for limb in range(4):
             for joint in range(4 * limb, 4 * limb + 4):
@@ -75,7 +77,7 @@ def write_rotations_from_angles(limbs, angles, limits, out_rotations):
 
 @kernel
 def rotation_from_angles(joint, angles, row):
-    """Rotation of one joint from its angles."""
+    """Rotation tuple of one joint in its parent from its swing-twist coordinates ``angles`` (3,)."""
     x, y, z = angles[0], angles[1], angles[2]
     if joint == 3:
         return rotation_from_vector(x, y, z)
@@ -91,7 +93,9 @@ def rotation_from_angles(joint, angles, row):
 
 @kernel
 def clamp_limb_angles(limbs, own, limits, angles):
-    """Clamp angles, in place, to the limits or to the motion's ``own`` angles."""
+    """Clamp swing-twist coordinates, in place, to the limits or to the motion's ``own`` coordinates where those are
+    beyond.
+    """
     for frame in range(angles.shape[0]):
         for limb in range(4):
             row = limits[limb]
@@ -102,7 +106,9 @@ def clamp_limb_angles(limbs, own, limits, angles):
 
 @kernel
 def clamp_joint_angles(joint, own, row, angles):
-    """Clamp the angles of one joint."""
+    """Clamp the coordinates ``angles`` (3,) of one joint, in place, to its limits or to the motion's ``own`` ones where
+    those are beyond.
+    """
     if joint == 1:
         angles[0] = clamp_angle(angles[0], own[0], 0.5 * (row.bends[1] - row.bends[0]))
         angles[1] = clamp_angle(angles[1], own[1], row.aslant)
@@ -117,6 +123,6 @@ def clamp_joint_angles(joint, own, row, angles):
 
 @kernel
 def clamp_angle(angle, own, half):
-    """Angle clamped to half a range, or to the motion's ``own`` angle if that is greater."""
+    """Angle clamped to -``half`` ... ``half``, or to the motion's ``own`` angle if that is beyond."""
     most = max(half, abs(own))
     return min(max(angle, -most), most)

@@ -1,1 +1,1 @@
-"""Solution of one frame: levels of priority, null-space steps, back-tracking, and the joints' state."""
+"""Solution of one frame: priority levels, null-space steps, back-tracking, and the state of the joints."""

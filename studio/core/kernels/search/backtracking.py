@@ -1,15 +1,15 @@
-"""Back-tracking along the step of a lower level until it violates no task above it (METHOD 9).
+"""Back-tracking along the step of a level until it violates no task of a higher level (METHOD 9).
 
-A ``step_length`` names a pose between 0, the result of the levels above, and 1, the full step. The caller poses the
-body there and measures the violation, until one leaves ``BACKTRACKING_TARGET`` of the allowed violation:
+A ``step_length`` names a pose between 0, the result of the higher levels, and 1, the full step. The caller poses the
+body there and measures the priority violation, until the violation is ``BACKTRACKING_TARGET`` of the allowed one:
 
     start_backtracking(0.0, violation, allowed, backtracking)
     while next_step_length(backtracking):
         update_bracket(pose_at(backtracking.step_length), backtracking)
 
 Regula falsi (Illinois; Dowell and Jarratt 1971) is used rather than bisection, so that similar frames return to similar
-poses. In the end the body is posed at the greatest admissible step length, perhaps 0; where even that exceeds the
-allowed ``violation``, the caller drops the step.
+poses. In the end the body is posed at the greatest admissible step length, perhaps 0; where even the ``violation``
+there exceeds the allowed one, the caller drops the step.
 """
 
 import numpy as np
@@ -19,7 +19,9 @@ from studio.core.kernels.compiling import kernel
 BACKTRACKING_TARGET, BACKTRACKING_TOLERANCE = 0.7, 0.02
 """Target violation as a fraction of the allowed one, and tolerance about it."""
 BACKTRACKING_STEPS = 8
-"""Trials at most: 7 suffice for a violation of 10 cm, in proportion to the step length or up to its fifth power."""
+"""Greatest number of trials: 7 suffice for a violation of 10 cm that grows like a power of the step length, from the
+first to the fifth.
+"""
 BACKTRACKING = np.dtype(
     [
         *(
@@ -47,9 +49,9 @@ BACKTRACKING = np.dtype(
 
 @kernel
 def start_backtracking(at_start, at_end, allowed, backtracking):
-    """Set ``backtracking`` to the end of a step, from the violations at its start and end.
+    """Begin a back-tracking at the end of a step, given the violations at the start and at the end of the step.
 
-    Violations are in metres or radians, and less than ``allowed`` is admissible.
+    Violations are in metres or radians; one below ``allowed`` is admissible.
     """
     backtracking.allowed, backtracking.step_count = allowed, 0
     backtracking.step_length, backtracking.violation, backtracking.last_excess = 1.0, at_end, 0.0
@@ -59,7 +61,7 @@ def start_backtracking(at_start, at_end, allowed, backtracking):
 
 @kernel
 def next_step_length(backtracking):
-    """Set the next step length to be tried; False if there is none."""
+    """Set ``backtracking.step_length`` to the next step length to be tried; False if the back-tracking has ended."""
     if (
         backtracking.step_count > 0
         and abs(excess_violation(backtracking.violation, backtracking.allowed))
@@ -81,7 +83,7 @@ def next_step_length(backtracking):
 
 @kernel
 def update_bracket(violation, backtracking):
-    """Update the bracket with the violation at the step length just posed."""
+    """Update the bracket with the ``violation`` measured at the present step length."""
     over = excess_violation(violation, backtracking.allowed)
     backtracking.violation = violation
     if over < 0.0:
@@ -95,5 +97,5 @@ def update_bracket(violation, backtracking):
 
 @kernel
 def excess_violation(violation, allowed):
-    """Violation beyond the target, clipped to the allowed violation."""
+    """Violation beyond the target, at most ``allowed``; negative below the target."""
     return min(violation - BACKTRACKING_TARGET * allowed, allowed)

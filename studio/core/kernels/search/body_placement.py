@@ -20,8 +20,8 @@ from studio.core.kernels.body_indices import (
 )
 from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.limbs.legs import place_leg, place_leg_points
-from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND, NEGLIGIBLE_ERROR, solve_limb
-from studio.core.kernels.limbs.limbs_above_ground import GROUND_MARGIN, end_rise, middle_rise, raise_limb
+from studio.core.kernels.limbs.limb_tasks import BLENDED_POSE_KEPT, NEGLIGIBLE_ERROR, solve_limb
+from studio.core.kernels.limbs.limbs_above_ground import GROUND_MARGIN_METRES, end_rise, middle_rise, raise_limb
 from studio.core.kernels.limbs.stiffness import move_stiff_leg
 from studio.core.kernels.limbs.touching_arms import follow_contacts, follows_contact
 from studio.core.kernels.limits.limb_joint_limits import clamp_joint, is_well_within
@@ -38,23 +38,23 @@ from studio.core.kernels.tasks.goals import (
 from studio.core.kernels.tasks.task_kinds import residual_of, update_goals
 from studio.core.kernels.tasks.task_status import ACTIVE
 
-POINTS_ONLY = 2
-"""Value of ``idle_limbs`` for a limb whose points alone were posed."""
+ONLY_POINTS_POSED = 2
+"""Value of ``idle_limbs`` for a limb of which only the points have been posed."""
 LIMB_REPEATS = 3
-"""Repetitions of the limbs' solution because a point entered an area or a distance was not shared well."""
+"""Greatest number of repeated solutions of the limbs, because a point entered an area or two limbs did not share a
+distance well.
+"""
 
 
 @small_kernel
 def with_pose(problem, pose):
-    """The same problem with another pose."""
+    """``problem`` with another pose."""
     return FrameProblem(problem.tasks, problem.areas, problem.chain, problem.body, problem.search, problem.start, pose)
 
 
 @kernel
 def pose_body(problem):
-    """Pose the whole body from the joints' state: the trunk, arms on their clavicles, and legs by inverse kinematics to
-    their ankle targets.
-    """
+    """Pose the whole body from the joints' state: the trunk, arms on their clavicles, legs on their ankle targets."""
     chain, search, start, pose = problem.chain, problem.search, problem.start, problem.pose
     pose_trunk(search.state, chain.joint_of_segment, start, search.segment_rotations, pose)
     for limb in range(4):
@@ -63,16 +63,17 @@ def pose_body(problem):
 
 @kernel
 def reset_limb_pose(limb, problem):
-    """Pose one limb as the unsolved pose has it: arms on their clavicles, legs on their ankles; an idle one by its
-    points.
+    """Pose one limb as in the unsolved pose: an arm relative to its clavicle, a leg on its ankle target.
+
+    Only the points of an idle limb are posed. A limb whose blended pose is kept takes that.
     """
     chain, body, search, start, pose = problem.chain, problem.body, problem.search, problem.start, problem.pose
     joint_of_segment, state = chain.joint_of_segment, search.state
     if search.idle_limbs[limb]:
-        search.idle_limbs[limb] = POINTS_ONLY
+        search.idle_limbs[limb] = ONLY_POINTS_POSED
         pose_limb_points(limb, problem)
         return
-    if search.blended_limbs[limb] == KEEPS_BLEND:
+    if search.blended_limbs[limb] == BLENDED_POSE_KEPT:
         parent, upper, root = limb_parts(limb, pose.positions.shape[0] - POINTS_BESIDE_SPINE)
         pose_limb(parent, upper, root, 4 * limb, search.blended_rotations, start, pose)
         return
@@ -100,7 +101,7 @@ def reset_limb_pose(limb, problem):
 
 @kernel
 def pose_limb_points(limb, problem):
-    """Pose the points of a limb, without its rotations, because it matters for the centre of mass only."""
+    """Pose the points of an idle limb without its rotations: such a limb only contributes to the centre of mass."""
     body, start, pose, segment_rotations = problem.body, problem.start, problem.pose, problem.search.segment_rotations
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     if limb < 2:
@@ -116,9 +117,10 @@ def pose_limb_points(limb, problem):
 
 @kernel
 def find_idle_limbs(tasks, joint_of_segment, hand_contacts, spine_count, out_idle):
-    """Mark limbs (4,) without tasks, contacts and joints in the search: their rotations can wait until all is solved.
+    """Write 1 into ``out_idle`` (4,) for limbs without tasks, contacts and joints in the search: their rotations can
+    wait for the solution.
 
-    Legs on a fixed root are not marked.
+    Legs are not idle if the root cannot move.
     """
     stays = joint_of_segment[joint_of_segment.shape[0] - 1] < 0 and joint_of_segment[0] < 0
     for limb in range(4):
@@ -136,7 +138,7 @@ def find_idle_limbs(tasks, joint_of_segment, hand_contacts, spine_count, out_idl
 
 @kernel
 def limit_redundant_limb(limb, state, joint_of_segment, limits, pose):
-    """Clamp a limb that the search has rotated to its limits."""
+    """Clamp a limb whose shoulder or hip the search has rotated to its joint limits."""
     joint = joint_of_segment[limb_parts(limb, pose.positions.shape[0] - POINTS_BESIDE_SPINE)[1]]
     if limits.shape[0] == 0 or joint < 0:
         return
@@ -147,7 +149,7 @@ def limit_redundant_limb(limb, state, joint_of_segment, limits, pose):
 
 @kernel
 def copy_leg(side, start, pose):
-    """Copy one leg from the motion, where its hip cannot move."""
+    """Copy one leg from the unsolved pose, for a hip that cannot move."""
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     for bone in range(5):
         point = spine_count + HIP_POINT + POINTS_PER_LIMB * side + bone
@@ -159,7 +161,9 @@ def copy_leg(side, start, pose):
 
 @kernel
 def solve_limbs(level, problem):
-    """Solve every limb with a task of levels 0 to ``level``, from the pose of the body, out of the ground."""
+    """Solve every limb that has a task of levels 0 to ``level`` on the present trunk, and raise limbs out of the
+    ground.
+    """
     tasks, idle, busy = problem.tasks, problem.search.idle_limbs, 0
     for c in range(tasks.shape[0]):
         row = tasks[c]
@@ -168,7 +172,10 @@ def solve_limbs(level, problem):
                 busy |= 1 << row.limbs[end]
     solve_limb_tasks(busy, level, problem)
     for limb in range(4):
-        if idle[limb] and end_rise(limb, GROUND_MARGIN, problem) + middle_rise(limb, GROUND_MARGIN, problem) > 0.0:
+        if (
+            idle[limb]
+            and end_rise(limb, GROUND_MARGIN_METRES, problem) + middle_rise(limb, GROUND_MARGIN_METRES, problem) > 0.0
+        ):
             idle[limb] = 0
             reset_limb_pose(limb, problem)
         if limb >= 2 or not follows_contact(limb, level, problem):
@@ -177,9 +184,10 @@ def solve_limbs(level, problem):
 
 @kernel
 def solve_limb_tasks(busy, level, problem):
-    """Solve the limbs with tasks of levels 0 to ``level``, the ``busy`` (bits).
+    """Solve the tasks of levels 0 to ``level`` of the limbs in the bit mask ``busy``.
 
-    The solution is repeated where a point ends in a forbidden area, or the two ends of a distance divide it badly.
+    The solution is repeated where a point ends in a forbidden area, or where one of the two limbs of a distance could
+    not make its part.
     """
     tasks, search, start, pose = problem.tasks, problem.search, problem.start, problem.pose
     stiff, moving = 0, False
@@ -218,9 +226,10 @@ def solve_limb_tasks(busy, level, problem):
 
 @kernel
 def has_unshared_residual(level, problem):
-    """True if one limb of a distance could not take its part, so that the other has to take more.
+    """True if a distance has a residual because one of its limbs could not make its part, so that the other has to make
+    more.
 
-    Also true if a limb misses a point of its own body that has moved with it.
+    Also true if a limb misses a target on its own body that has moved with the limb.
     """
     tasks = problem.tasks
     short = False
@@ -233,7 +242,7 @@ def has_unshared_residual(level, problem):
 
 @kernel
 def activate_areas(level, problem):
-    """Activate area constraints whose points are inside after all else was solved; True if there are new ones."""
+    """Activate area tasks whose points are inside after all else was solved; True if there are new ones."""
     tasks = problem.tasks
     found = False
     for c in range(tasks.shape[0]):

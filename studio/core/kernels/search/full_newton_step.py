@@ -1,15 +1,16 @@
 """Newton step in all joints at once, for residuals that steps along the rows' directions leave (METHOD 9).
 
-It is used for levels with nothing to hold that leave the root where it is. Where a target is out of reach, every free
-joint comes to rest across from the gradient or at its limit, and one or two directions a row approach that rest ever
-more slowly. Here half the sum of squared errors is minimised with its Hessian over all joints that the rows free: D = 3
-N unknowns.
+It is used for levels without equality rows that leave the root at rest. Where a target is out of reach, every free
+joint comes to rest perpendicular to the gradient or at its limit, and steps along one or two directions a row approach
+that rest ever more slowly. Here half the sum of squared errors is minimised with its Hessian over all joints that the
+rows free: D = 3 N unknowns.
 
-A joint beyond its soft limit counts radially in units of the root of its damping. A gradient that pushes it outwards
-adds push / margin to its radial stiffness and push / angle across, which is the curvature of the limit itself (Coleman
-and Li 1996), so that a limit is met, and left, in a few steps. A weak spring, in proportion to the residual, draws each
-joint back to the motion: it decides about rotations that move nothing towards the target. Each step is damped by the
-remaining gradient, so that it is long where it is certain (Li, Fukushima, Qi and Yamashita 2004).
+Beyond its soft limit the radial component of a joint's rotation is scaled by the root of its damping. A gradient that
+pushes the joint outwards adds push / margin to its radial stiffness and push / angle to its tangential stiffness, which
+is the curvature of the limit itself (Coleman and Li 1996), so that a limit is met, and left, in a few steps. A weak
+spring, in proportion to the residual, draws each joint back to the motion: it determines rotations that move nothing
+towards the target. Each step is damped by the remaining gradient, so that it is long where the problem is
+well-conditioned (Li, Fukushima, Qi and Yamashita 2004).
 """
 
 import math
@@ -19,24 +20,25 @@ from studio.core.kernels.limits.limited_step import LEAST_DAMPING
 from studio.core.kernels.search.joints import SOFT_JOINT_LIMIT, scale_along_axis
 
 SPRING_STRENGTH = 0.01
-"""Strength of the spring to the motion, relative to the residual."""
+"""Strength of the springs that draw joints to the motion, relative to the residual."""
 SPRING_DAMPING = 5.0
-"""Factor of the springs' stiffness in the damping: an otherwise free step would be taken whole."""
+"""Factor of the springs' stiffness in the damping: without it, unconstrained components would return to the motion in
+one step.
+"""
 PUSH_CURVATURE = 3.0
-"""Factor of the curvature of a link that is pushed back, relative to one that is pulled: a chain that is too long for
-its target might buckle to any side, and stays on its ridge.
+"""Factor of the curvature of a link under compression, relative to tension: without it a chain that is too long for its
+target could buckle to any side, and stays unbuckled.
 """
 LIMIT_BARRIER = 5e-4
-"""Strength of the limits' barrier before they are met, metres times radians, for each metre of residual."""
+"""Strength of the barrier before joint limits, metres times radians, for each metre of residual."""
 
 
 @kernel
 def full_newton_step(count, rows, chain, segment_rotations, state, step, damped, positions):
-    """Write the Newton step over all joints into ``step`` (N, 3), for problems without equality rows; returns the
-    directional derivative along it.
+    """Write the Newton step over all joints into ``step`` (N, 3), for a level without equality rows.
 
-    Records are as ``kernels.search.null_space_step`` leaves them, with damped rows; ``segment_rotations`` and ``state``
-    are those of the search, ``damped`` is scratch. METHOD (24).
+    Returns the directional derivative of half the sum of squared errors along the step. The records are those that
+    ``null_space_step`` has filled, with damped rows; ``damped`` is scratch. METHOD (24).
     """
     joints, damping = chain.joints, rows.damping
     system, solution = damped.system, damped.step
@@ -62,7 +64,7 @@ def full_newton_step(count, rows, chain, segment_rotations, state, step, damped,
 
 @kernel
 def write_joint_weights(count, weight_rows, weights, out_own):
-    """Write the weight (D,) of every unknown: the greatest over the objective rows."""
+    """Write the weight (D,) of every unknown: the greatest weight of its joint over the objective rows."""
     for k in range(weights.shape[1]):
         most = 0.0
         for row in range(count):
@@ -72,7 +74,7 @@ def write_joint_weights(count, weight_rows, weights, out_own):
 
 @kernel
 def add_hessian(count, rows, chain, damped, positions):
-    """Add the second derivatives of all objective rows; returns the root of the sum of squared errors."""
+    """Add the second derivatives of all objective rows to the system; returns the root of the sum of squared errors."""
     errors, weight_rows, point_errors = rows.errors, rows.weight_rows, rows.point_errors
     squared = 0.0
     for q in range(count):
@@ -90,8 +92,7 @@ def add_hessian(count, rows, chain, damped, positions):
 
 @kernel
 def add_task_hessian(strength, point_error, weights, joints, damped, positions):
-    """Add ``strength`` times the second derivatives of one point error (``kernels.tasks.second_order``) by its joints.
-
+    """Add ``strength`` times the second derivatives of one ``POINT_ERROR`` by the joints' rotations to the system.
     METHOD (24).
     """
     system, levers = damped.system, damped.lever_arms
@@ -119,10 +120,10 @@ def add_task_hessian(strength, point_error, weights, joints, damped, positions):
 
 @kernel
 def add_link_hessians(x, y, z, joints, levers, system):
-    """Add -l . d2p for a force l = (x, y, z) on a point that joints move with ``levers`` (N, 3) r.
+    """Add the Hessian -l . d2p of a force l = (x, y, z) on a point p that joints move with ``levers`` (N, 3).
 
     The link d from a joint to the next rotates at W, the sum of its own and all earlier rates: -l . (W x (W x d)) = (l
-    . d) W^2 - (l . W)(d . W). The negative part of a link that is pushed back fades.
+    . d) W^2 - (l . W)(d . W). The negative part of a link under compression fades.
     """
     for j in range(joints.shape[0]):
         after, least = -1, 1 << 30
@@ -183,7 +184,7 @@ def has_lever(lever):
 
 @kernel
 def add_outer_product(scale, row, system):
-    """Add ``scale`` times the outer product of a row (D,) with itself."""
+    """Add ``scale`` times the outer product of ``row`` (D,) with itself to the system."""
     size = system.shape[0]
     for i in range(size):
         fraction = scale * row[i]
@@ -194,7 +195,9 @@ def add_outer_product(scale, row, system):
 
 @kernel
 def damp_system(k, fraction, axis, system):
-    """Scale the unknowns of one joint by ``fraction`` along its unit ``axis``, on both sides of the system."""
+    """Scale the unknowns of joint ``k`` by ``fraction`` along the unit ``axis``, in the rows and columns of the
+    system.
+    """
     size = system.shape[0]
     for i in range(size):
         along = (fraction - 1.0) * (
@@ -212,7 +215,7 @@ def damp_system(k, fraction, axis, system):
 
 @kernel
 def add_normal_equations(count, rows, weights, damped):
-    """Add A^T A and A^T e of the objective rows, over the joints with weight."""
+    """Add A^T A and A^T e of the objective rows to the system, over the joints with weight."""
     jacobian, errors, weight_rows = rows.jacobian, rows.errors, rows.weight_rows
     system, row = damped.system, damped.step
     size = system.shape[0]
@@ -228,7 +231,7 @@ def add_normal_equations(count, rows, weights, damped):
 
 @kernel
 def add_spring_gradient(spring, damping, segment_rotations, state, joints, damped):
-    """Add the gradient of the springs that draw joints to the motion."""
+    """Add the gradient of the springs that draw joints back to the motion to the right side of the system."""
     system, own, force = damped.system, damped.weights, damped.lever_arms
     size = system.shape[0]
     for k in range(joints.shape[0]):
@@ -246,10 +249,10 @@ def add_spring_gradient(spring, damping, segment_rotations, state, joints, dampe
 
 @kernel
 def add_limit_barrier(softness, damping, state, chain, damped):
-    """Add the barrier of the limits, and the stiffness of joints pressed against them; length of the remaining gradient
-    in metres.
+    """Add the barrier of joint limits, and the stiffness of joints pressed against them, to the system.
 
-    The barrier is ``softness`` / (radians left to the limit), so that limits are met softly. METHOD (24).
+    Returns the length of the remaining gradient in metres. The barrier is ``softness`` / (radians left to the limit),
+    so that limits are met softly. METHOD (24).
     """
     limits, system, own = chain.limits, damped.system, damped.weights
     size = system.shape[0]
@@ -278,8 +281,8 @@ def add_limit_barrier(softness, damping, state, chain, damped):
 
 @kernel
 def solve_damped(damping, spring, damped):
-    """Solve for the step in units of the joints' weights, into ``damped.step`` (METHOD (24)); returns its product with
-    the right side.
+    """Solve the damped system for the step, into ``damped.step`` (METHOD (24)); returns the product of the step and the
+    right side.
 
     Modified Cholesky elimination: pivots stay positive and factors bounded, whatever the curvature (Gill, Murray and
     Wright 1981, 4.4.2.2).

@@ -38,20 +38,21 @@ from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.records import SEARCH_JOINT
 
 ROOT_TRANSLATION = -1
+"""Value of a joint's ``segment`` for the translation of the root."""
 SOFT_JOINT_LIMIT = 0.7
 """Fraction of its limit up to which a joint rotates freely."""
 
 
 @kernel
 def may_rotate(row, segment, chain):
-    """True if ``row`` of the joint weights frees a segment's joint."""
+    """True if the joint of ``segment`` has a weight in ``row`` of the joint weights."""
     joint = chain.joint_of_segment[segment]
     return joint >= 0 and chain.weights[row, joint] > 0.0
 
 
 @kernel
 def pivot_point(segment, spine_count):
-    """Index of the point about which ``segment`` rotates."""
+    """Index of the proximal point of ``segment``, about which it rotates."""
     if segment < spine_count + 2:
         return segment
     chain, bone = (segment - spine_count - 2) // 4, (segment - spine_count - 2) % 4
@@ -60,7 +61,10 @@ def pivot_point(segment, spine_count):
 
 @kernel
 def parent_segment(segment, spine_count):
-    """Parent of ``segment``; past the last one for root, pelvis and thighs (legs are placed on their ankles)."""
+    """Index of the parent of ``segment`` in the search; one past the last segment for root, pelvis and thighs.
+
+    Thighs have no parent because legs are placed on their ankles.
+    """
     if segment <= 0:
         return spine_count + SEGMENTS_BESIDE_SPINE
     if segment < spine_count + 2:
@@ -73,7 +77,9 @@ def parent_segment(segment, spine_count):
 
 @allocating_kernel
 def joint_table(segments, spine_count):
-    """Records (N,) of ``SEARCH_JOINT`` for the given segments (N,), ROOT_TRANSLATION for the root's translation."""
+    """``SEARCH_JOINT`` records (N,) of the given segments (N,); ``ROOT_TRANSLATION`` stands for the root's
+    translation.
+    """
     table = np.zeros(segments.shape[0], SEARCH_JOINT)
     for number in range(segments.shape[0]):
         joint, segment = table[number], segments[number]
@@ -107,8 +113,8 @@ def add_point_jacobian(point, vx, vy, vz, segment, joints, positions, row):
 
 @kernel
 def add_rotation_jacobian(axis, arm, segment, joints, row):
-    """Add to ``row`` (N, 3) the derivative by each joint of the rotation of ``segment`` about a world axis, ``arm``
-    metres a radian.
+    """Add to ``row`` (N, 3) the derivative by each joint of the rotation of ``segment`` about world axis ``axis``, in
+    units of ``arm`` metres a radian.
     """
     for joint in range(joints.shape[0]):
         if joints[joint].segment != ROOT_TRANSLATION and joints[joint].first <= segment < joints[joint].past:
@@ -117,7 +123,7 @@ def add_rotation_jacobian(axis, arm, segment, joints, row):
 
 @kernel
 def update_joint_damping(state, joints, limits, segment_rotations, out_damping):
-    """Update the damping of all joints for their state."""
+    """Write the ``JOINT_DAMPING`` of all joints in their present state."""
     for k in range(joints.shape[0]):
         out_damping[k].fraction = 1.0
         x, y, z = state[k, 0], state[k, 1], state[k, 2]
@@ -142,8 +148,9 @@ def scale_along_axis(fraction, axis, vector):
 
 @kernel
 def pose_segment(segment, parent, state, joint_of_segment, start, segment_rotations, pose):
-    """Rotation of one segment from its parent's and its own joint's; written into ``segment_rotations`` (S
-    + 1, 3, 3).
+    """World rotation of one segment away from the motion: its parent's, followed by that of its own joint.
+
+    It is written into ``segment_rotations`` (S + 1, 3, 3), and the segment's rotation into ``pose``.
     """
     joint, rotation = joint_of_segment[segment], rotation_from_matrix(segment_rotations[parent])
     if joint >= 0:
@@ -157,7 +164,9 @@ def pose_segment(segment, parent, state, joint_of_segment, start, segment_rotati
 
 @kernel
 def pose_point(point, origin, rotation, start, positions):
-    """Write ``point`` of a segment with that ``rotation``, from another point ``origin`` of it."""
+    """Write the position of ``point`` of a segment whose ``rotation`` from the pose ``start`` is given, from that of
+    its point ``origin``.
+    """
     before, past, here = start.positions[origin], start.positions[point], positions[origin]
     x, y, z = past[0] - before[0], past[1] - before[1], past[2] - before[2]
     write_transformed_point((here[0], here[1], here[2]), rotation, x, y, z, positions[point])
@@ -165,7 +174,7 @@ def pose_point(point, origin, rotation, start, positions):
 
 @kernel
 def pose_arm(side, state, joint_of_segment, start, segment_rotations, pose):
-    """Pose an arm on its clavicle as in the motion, rotated about its shoulder if that is free."""
+    """Pose an arm relative to its clavicle as in the motion, rotated about its shoulder if the search frees that."""
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     shoulder, upper = (
         spine_count + SHOULDER_POINT + POINTS_PER_LIMB * side,
@@ -182,7 +191,7 @@ def pose_arm(side, state, joint_of_segment, start, segment_rotations, pose):
 
 @kernel
 def pose_limb(parent, upper, root, first, rotations, start, pose):
-    """Pose a limb from its segments' rotations in their parents, ``rotations[first:]`` (n, 3, 3)."""
+    """Pose a limb from the rotations of its segments in their parents, ``rotations[first:]`` (n, 3, 3)."""
     before = parent
     for bone in range(3 if parent > 0 else 4):
         segment, point = upper + bone, root + bone
@@ -201,9 +210,9 @@ def pose_limb(parent, upper, root, first, rotations, start, pose):
 
 @kernel
 def pose_trunk(state, joint_of_segment, start, segment_rotations, pose):
-    """Pose root, spine, neck, head, clavicles and hips from root to tips; limbs follow.
+    """Pose root, spine, neck, head, clavicles and hip joints from the joints' state; limbs are posed later.
 
-    ``start`` is the unsolved pose, ``pose`` the one being written, both (positions (P, 3), rotations (S, 3, 3)).
+    ``start`` is the unsolved pose, ``pose`` the one being written.
     """
     positions = pose.positions
     spine_count = positions.shape[0] - POINTS_BESIDE_SPINE

@@ -7,7 +7,7 @@ import math
 
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb_tasks import NEGLIGIBLE_ERROR
-from studio.core.kernels.limits.limited_step import NEARLY_MET
+from studio.core.kernels.limits.limited_step import NEARLY_MET_RESIDUAL
 from studio.core.kernels.search.full_newton_step import full_newton_step
 from studio.core.kernels.search.joints import update_joint_damping
 from studio.core.kernels.search.null_space_step import apply_step, null_space_step
@@ -17,33 +17,36 @@ from studio.core.kernels.tasks.second_order import INEQUALITY_ROW, optimal_step_
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.kernels.tasks.task_status import ACTIVE
 
-TASK_MET, ALLOWED_VIOLATION = 0.6 * PRIORITY_TOLERANCE, 0.4 * PRIORITY_TOLERANCE
-"""Residual in metres at which a task is met, and change in metres or radians that one level may cause above."""
+TASK_MET_RESIDUAL, ALLOWED_VIOLATION = 0.6 * PRIORITY_TOLERANCE, 0.4 * PRIORITY_TOLERANCE
+"""Residual in metres below which a task is met, and greatest change of a higher task's residual by one level, in metres
+or radians.
+"""
 FULL_DAMPING_ERROR = 0.1
-"""Error in metres at which a reduction of the damping is halved (its root): far targets keep the full damping."""
+"""Residual in metres at which half of a damping reduction applies (as an exponent): far targets keep the full damping.
+"""
 NO_LATE_STEP_GAIN, FULL_LATE_STEP_GAIN = 0.15, 0.35
-"""Fractions of the residual that the last step removed: up to the first no late step follows, from the second a whole
+"""Fractions of the residual removed by the last step: up to the first no late step follows, from the second on a full
 one.
 """
 NO_LATE_STEP_ERROR = 0.012
-"""Error in metres from which late steps are not taken; up to ``NEARLY_MET`` they are whole."""
+"""Residual in metres from which late steps are not taken; up to ``NEARLY_MET_RESIDUAL`` they are full."""
 LEAST_GAIN = 0.03
-"""Fraction of the residual that the last step must remove for a whole late step near the goal."""
+"""Least fraction of the residual removed by the last step for a full late step near the goal."""
 LEAST_DISPLACEMENT = 0.1 * PRIORITY_TOLERANCE
-"""Displacement in metres below which a step is not taken."""
+"""Least displacement in metres of a step that is taken."""
 SUFFICIENT_ERROR = 0.2 * PRIORITY_TOLERANCE
-"""Predicted residual in metres, at the rate of the last step, below which no further step is taken. A step must promise
-as much to be taken, and twice that to be taken whole.
+"""Predicted residual in metres, at the rate of the last step, below which no further step is taken. A step must also
+promise a greater decrease than this to be taken, and twice this to be full.
 """
 
 
 @kernel
 def take_level_step(level, restoring, all_joints, is_late, root_stays, damping, problem):
-    """Take one step of all joints for this level, or, ``restoring``, for the levels above alone; returns the
-    displacement in metres.
+    """Take one step of all joints for a level, with the levels above held; returns its displacement in metres.
 
-    The levels above are held. With ``root_stays`` the root does not move, so that planted feet need no rows;
-    ``damping`` is the fraction of the damping.
+    With ``restoring`` only the residuals of the levels above are restored; ``all_joints`` uses the full Newton step;
+    ``is_late`` marks a step after the regular ones, which is shortened near convergence. With ``root_stays`` the root
+    does not move, so that planted feet need no rows. ``damping`` is the fraction of the regular damping.
     """
     tasks, chain, search = problem.tasks, problem.chain, problem.search
     rows, past = search.rows, search.last_step[0]
@@ -66,7 +69,7 @@ def take_level_step(level, restoring, all_joints, is_late, root_stays, damping, 
     left = residual * residual / max(past.residual, 1e-9)
     past.suffices = left < SUFFICIENT_ERROR and worst < ALLOWED_VIOLATION
     past.residual = residual
-    if worst < (LEAST_DISPLACEMENT if restoring else NEGLIGIBLE_ERROR) and residual < TASK_MET:
+    if worst < (LEAST_DISPLACEMENT if restoring else NEGLIGIBLE_ERROR) and residual < TASK_MET_RESIDUAL:
         return 0.0
     promised, fraction = newton_step(own, count, all_joints, damping, residual, problem)
     worth = 1.0 if restoring else min(max(promised / SUFFICIENT_ERROR - 1.0, 0.0), 1.0)
@@ -76,9 +79,9 @@ def take_level_step(level, restoring, all_joints, is_late, root_stays, damping, 
 
 @kernel
 def newton_step(own, count, all_joints, damping, residual, problem):
-    """(predicted decrease in metres, step length) of a step from rows of which the first ``own`` are held.
+    """(predicted decrease in metres, step length) of a step from ``count`` rows, the first ``own`` of which are held.
 
-    ``all_joints`` uses the full Newton step; near the goal, at ``residual`` metres, the damping is full.
+    ``all_joints`` uses the full Newton step. Where the ``residual`` (metres) is large, the damping is full.
     """
     chain, search, positions = problem.chain, problem.search, problem.pose.positions
     rows, steps = search.rows, search.equations.directions
@@ -99,7 +102,7 @@ def newton_step(own, count, all_joints, damping, residual, problem):
 
 @kernel
 def add_objective_rows(level, count, problem):
-    """Add the objective rows of a level; the new number of rows."""
+    """Add the objective rows of a level; returns the new number of rows."""
     tasks = problem.tasks
     for c in range(tasks.shape[0]):
         if tasks[c].status == ACTIVE and tasks[c].level == level:
@@ -109,7 +112,7 @@ def add_objective_rows(level, count, problem):
 
 @kernel
 def greatest_error(first, past, rows):
-    """Greatest error of some rows in metres; the margin of an inequality is no error."""
+    """Greatest error in metres of the rows ``first`` to ``past``; a satisfied inequality has none."""
     worst = 0.0
     for row in range(first, past):
         error = rows.errors[row]
@@ -119,12 +122,14 @@ def greatest_error(first, past, rows):
 
 @kernel
 def late_step_length(residual, before):
-    """Step length near convergence, from the ``residual`` in metres and the one ``before`` the last step."""
+    """Step length of a late step in [0, 1], from the present ``residual`` and the one ``before`` the last step, in
+    metres.
+    """
     near, gained = (
-        (NO_LATE_STEP_ERROR - residual) / (NO_LATE_STEP_ERROR - NEARLY_MET),
+        (NO_LATE_STEP_ERROR - residual) / (NO_LATE_STEP_ERROR - NEARLY_MET_RESIDUAL),
         1.0,
     )  # what was met is missed by what is held alone
-    if before >= TASK_MET:
+    if before >= TASK_MET_RESIDUAL:
         gained -= residual / before
     near = min(near, 1.0) * min(max(gained / LEAST_GAIN, 0.0), 1.0)
     return min(max(near, (gained - NO_LATE_STEP_GAIN) / (FULL_LATE_STEP_GAIN - NO_LATE_STEP_GAIN)), 1.0)

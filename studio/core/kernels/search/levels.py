@@ -2,6 +2,10 @@
 
 Every frame starts from its own pose, and operations are continuous in their inputs, so that neighbouring frames have
 neighbouring solutions. Where a level is dropped, or a limb changes sides, ``kernels.time.smoothed_frames`` smooths.
+
+A level is a group of tasks of one priority, 0 the highest. The *agreed reach* of a limb (``goal_reaches`` of ``TASK``)
+is the distance in metres from its root to its goal that the limb covers by itself, agreed when its level begins; the
+joints of the chain move its root for the rest.
 """
 
 import math
@@ -36,19 +40,19 @@ from studio.core.kernels.search.backtracking import (
     update_bracket,
 )
 from studio.core.kernels.search.body_placement import (
-    POINTS_ONLY,
+    ONLY_POINTS_POSED,
     find_idle_limbs,
     pose_body,
     reset_limb_pose,
     solve_limbs,
 )
-from studio.core.kernels.search.level_step import ALLOWED_VIOLATION, TASK_MET, take_level_step
-from studio.core.kernels.search.reachability import (
+from studio.core.kernels.search.chain_reach import (
     has_single_joint,
     reachable_distance,
     soft_reachable_distance,
     update_unreachable_fraction,
 )
+from studio.core.kernels.search.level_step import ALLOWED_VIOLATION, TASK_MET_RESIDUAL, take_level_step
 from studio.core.kernels.search.redundancy import may_rotate_limbs, set_reachable_balance_goals
 from studio.core.kernels.tasks.balance import centre_of_mass
 from studio.core.kernels.tasks.goals import (
@@ -63,34 +67,42 @@ from studio.core.kernels.tasks.task_kinds import residual_of
 from studio.core.kernels.tasks.task_status import ACTIVE, INACTIVE, drop_task
 
 LEVEL_STEPS, LATE_LEVEL_STEPS = 4, 5
-"""Steps of a level, and further ones while it is nearly met or still gains: a body far out of reach would take many
-more to come to rest, for little.
+"""Steps of a level, and late steps while it is nearly met or still gains: a body far out of reach would take many more
+to come to rest, for little gain.
 """
 REDUNDANT_STEPS = 6
-"""Steps of a level with redundant limbs."""
+"""Greatest number of steps of a level whose chain frees shoulders or hips."""
 FULL_NEWTON_STEPS = 12
-"""Steps of a level with full Newton steps, after which it has converged: a head pulled down buckles a spine slowly."""
+"""Greatest number of steps of a level with full Newton steps: a spine that buckles under a head pulled down converges
+slowly.
+"""
 DAMPING_DECAY = 0.25
 """Factor of the damping from one step of a level to the next: directions with little effect are freed last. Levels with
-a balance keep their damping: they would sink to the ground, or fling limbs about.
+a balance keep their damping, because they would sink to the ground, or fling limbs about.
 """
 LIMITED_LEG_STEPS = 12
-"""Steps of a level with a leg at its limits: its residual tells the root little."""
-FIRST_STEPS = 2
-"""Steps along the rows' directions before full Newton steps, which need a level without planted feet and higher levels:
-held rows would bend the directions of all joints too.
+"""Greatest number of steps of a level with a leg at its joint limits, whose residual hardly depends on the root to
+first order.
+"""
+STEPS_BEFORE_FULL_NEWTON = 2
+"""Steps along the rows' directions before full Newton steps. Those are taken only without planted feet and higher
+levels, because held rows would bend the directions of all joints too.
 """
 SOFT_FLEXION_RANGE = 0.05
-"""Last fraction of the range between greatest and least reach, in which a limb folds softly."""
+"""Fraction of the range between greatest and least reach, above the least, in which a limb folds softly."""
 RESTORATION_STEPS = 8
-"""Steps of a feasibility restoration for the levels above."""
+"""Greatest number of steps of a feasibility restoration for the levels above."""
 RESTORATION_DECREASE = 0.7
-"""Fraction of the least violation so far that a restoration step may leave; after two that leave more it ends."""
+"""Greatest fraction of the least violation so far that a successful restoration step leaves; the second unsuccessful
+step ends the restoration.
+"""
 
 
 @kernel
 def solve_frame(level_count, problem):
-    """Move one posed frame until its tasks hold as far as chains and priorities allow."""
+    """Solve the tasks of one frame, ``level_count`` levels in order of priority, as far as chains and priorities
+    allow.
+    """
     tasks, chain, body, search, pose = problem.tasks, problem.chain, problem.body, problem.search, problem.pose
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
     zero_points(search.state)
@@ -110,7 +122,7 @@ def solve_frame(level_count, problem):
         solve_level(level, before < 0, problem)
         before = level
     for limb in range(4):
-        outlined = idle[limb] == POINTS_ONLY
+        outlined = idle[limb] == ONLY_POINTS_POSED
         idle[limb] = 0
         if outlined:
             reset_limb_pose(limb, problem)
@@ -118,8 +130,9 @@ def solve_frame(level_count, problem):
 
 @kernel
 def update_limb_limits(problem):
-    """Write the unsolved angles of every limb with a task or a joint in the search; of wrists and ankles where hand or
-    foot have tasks.
+    """Write the unsolved joint angles of every limb that has a task or a joint in the search.
+
+    Those of wrists and ankles are included where hand or foot have tasks.
     """
     tasks, joint_of_segment, body, start = problem.tasks, problem.chain.joint_of_segment, problem.body, problem.start
     limits = body.limits
@@ -138,7 +151,7 @@ def update_limb_limits(problem):
 
 @kernel
 def is_level_active(level, tasks):
-    """True if any task of this level is active."""
+    """True if any task of a level is active."""
     acts = False
     for c in range(tasks.shape[0]):
         acts = acts or (tasks[c].level == level and tasks[c].status == ACTIVE)
@@ -147,7 +160,10 @@ def is_level_active(level, tasks):
 
 @kernel
 def solve_level(level, fresh, problem):
-    """Solve one level by Newton steps with the levels above held, and restore those at the end."""
+    """Solve one level by Newton steps with the levels above held, then restore the residuals of those.
+
+    ``fresh`` is true if no higher level has been solved at this frame.
+    """
     tasks, chain, search = problem.tasks, problem.chain, problem.search
     stiff = release_stiff_limbs(level, tasks)
     copy_points(search.state, search.level_start)
@@ -165,7 +181,7 @@ def solve_level(level, fresh, problem):
 
 @kernel
 def take_steps(level, fresh, problem):
-    """Take steps until the level is met, or gains no more."""
+    """Take steps until a level is met, or gains no more."""
     tasks, chain, search = problem.tasks, problem.chain, problem.search
     past = search.last_step[0]
     past.residual = 0.0
@@ -179,7 +195,7 @@ def take_steps(level, fresh, problem):
     if not frees and retreat_root(level, problem):
         tries = LIMITED_LEG_STEPS
     for attempt in range(tries if frees else tries + LATE_LEVEL_STEPS):
-        refines, is_late = whole and attempt >= FIRST_STEPS, attempt >= tries
+        refines, is_late = whole and attempt >= STEPS_BEFORE_FULL_NEWTON, attempt >= tries
         less = 1.0 if frees or balances else DAMPING_DECAY**attempt
         if not take_level_step(level, False, refines, is_late, stays, less, problem) > 0.0:
             break
@@ -190,7 +206,9 @@ def take_steps(level, fresh, problem):
 
 @kernel
 def keep_priority(level, problem):
-    """Restore the levels above, or back-track; where that fails, drop the level and reset the body to its start."""
+    """Restore the residuals of the levels above, or back-track; where that fails, drop the level and reset the body to
+    its start.
+    """
     tasks, search = problem.tasks, problem.search
     violation, backtracking = restore_feasibility(level, ALLOWED_VIOLATION, True, problem), search.backtracking[0]
     if violation < ALLOWED_VIOLATION:
@@ -208,7 +226,9 @@ def keep_priority(level, problem):
 
 @kernel
 def pose_level_fraction(fraction, level, problem):
-    """Pose the body at ``fraction`` of the level's step, and restore the levels above; the remaining violation."""
+    """Pose the body at ``fraction`` of the level's step, and restore the levels above; returns the remaining priority
+    violation.
+    """
     search = problem.search
     blend_points(fraction, search.level_start, search.trial_state, search.state)
     place_body(level, False, problem)
@@ -217,7 +237,7 @@ def pose_level_fraction(fraction, level, problem):
 
 @kernel
 def restart_level(level, problem):
-    """Recompute the limbs after tasks of ``level`` were dropped."""
+    """Solve the limbs again after tasks of a level were dropped."""
     tasks, body, search, pose = problem.tasks, problem.body, problem.search, problem.pose
     restore_caps(body.limits)
     changed = find_end_tasks(level, tasks, pose.positions.shape[0] - POINTS_BESIDE_SPINE, search.end_tasks)
@@ -227,8 +247,8 @@ def restart_level(level, problem):
 
 @kernel
 def drop_conflicting_tasks(level, problem):
-    """Drop tasks of this level on limbs whose joint limits cannot satisfy them together with a higher orientation task;
-    True if any.
+    """Drop tasks of a level on limbs whose joint limits do not allow them beside a higher orientation task; True if
+    any.
 
     No joint of the trunk could restore that orientation.
     """
@@ -250,14 +270,16 @@ def drop_conflicting_tasks(level, problem):
 
 
 @kernel
-def restore_feasibility(level, most, both_ways, problem):
-    """Restore the residuals above this level, ``both_ways`` also where they have decreased, until they differ by less
-    than ``most`` metres; the remaining violation.
+def restore_feasibility(level, tolerance, counts_decreases, problem):
+    """Restore the residuals of the levels above until they have increased by less than ``tolerance``; returns the
+    remaining priority violation.
+
+    Metres or radians. With ``counts_decreases`` decreases count as well as increases.
     """
     chain, least, fails = problem.chain, math.inf, 0
-    violation = priority_violation(level, both_ways, problem)
+    violation = priority_violation(level, counts_decreases, problem)
     for _ in range(RESTORATION_STEPS):
-        if violation < most:
+        if violation < tolerance:
             break
         if violation > RESTORATION_DECREASE * least:
             fails += 1
@@ -267,13 +289,13 @@ def restore_feasibility(level, most, both_ways, problem):
         if joints == 0 or not take_level_step(level, True, False, False, False, 1.0, problem) > 0.0:
             break
         place_body(level, False, problem)
-        violation = priority_violation(level, both_ways, problem)
+        violation = priority_violation(level, counts_decreases, problem)
     return violation
 
 
 @kernel
 def level_moves_root(level, tasks, chain):
-    """True if any task of this level may move the root."""
+    """True if any active task of a level may move the root."""
     root = chain.joint_of_segment[-1]
     frees = False
     for c in range(tasks.shape[0]):
@@ -285,7 +307,7 @@ def level_moves_root(level, tasks, chain):
 
 @kernel
 def drop_level(level, tasks):
-    """Drop the tasks of a level that cannot be met beside the levels above at this frame."""
+    """Drop the tasks of a level, which cannot be met beside the levels above at this frame."""
     for c in range(tasks.shape[0]):
         if tasks[c].level == level and tasks[c].status != INACTIVE:
             drop_task(tasks[c])
@@ -293,7 +315,10 @@ def drop_level(level, tasks):
 
 @kernel
 def place_body(level, fresh, problem):
-    """Pose the body from its joints' state, and solve its limbs; a fresh pose is in place already."""
+    """Pose the body from its joints' state, and solve its limbs for all tasks down to a level.
+
+    With ``fresh`` the body is in its unsolved pose already.
+    """
     chain, search = problem.chain, problem.search
     if not fresh:
         pose_body(problem)
@@ -313,33 +338,36 @@ def reset_rotations(segment_rotations):
 
 @kernel
 def is_level_met(level, problem):
-    """True if the tasks of this level are met as limbs were placed, and those above are unchanged."""
+    """True if the tasks of a level are met by the limbs alone, and the residuals of the levels above are unchanged."""
     tasks = problem.tasks
     for c in range(tasks.shape[0]):
         row = tasks[c]
-        if row.status == ACTIVE and row.level == level and residual_of(c, problem) >= TASK_MET:
+        if row.status == ACTIVE and row.level == level and residual_of(c, problem) >= TASK_MET_RESIDUAL:
             return False
     return priority_violation(level, True, problem) < ALLOWED_VIOLATION
 
 
 @kernel
-def priority_violation(level, both_ways, problem):
-    """Greatest increase or, ``both_ways``, change of a residual above this level, in metres or radians."""
+def priority_violation(level, counts_decreases, problem):
+    """Greatest increase of a residual of the levels above since it was saved, in metres or radians; with
+    ``counts_decreases`` the greatest change.
+    """
     tasks = problem.tasks
     worst = 0.0
     for c in range(tasks.shape[0]):
         row = tasks[c]
         if has_residual(row) and row.level < level:
             change = residual_of(c, problem) - row.kept_residual
-            worst = max(worst, abs(change) if both_ways else change)
+            worst = max(worst, abs(change) if counts_decreases else change)
     return worst
 
 
 @kernel
 def save_task_results(first, level, problem):
-    """Save the results of the higher-priority tasks, which this level has to keep.
+    """Save the results of all higher-priority tasks, which a level has to keep.
 
-    Those above ``first``, the level solved last, keep their earlier residuals, so that errors do not accumulate.
+    Residuals of the levels above ``first``, the level solved last, stay as saved earlier, so that errors do not
+    accumulate.
     """
     tasks, pose = problem.tasks, problem.pose
     spine_count = pose.positions.shape[0] - POINTS_BESIDE_SPINE
@@ -364,10 +392,11 @@ def save_task_results(first, level, problem):
 
 
 @kernel
-def update_reaches(level, changed, problem):
-    """Update the greatest, least and agreed reach of each limb for each end of its tasks, in metres.
+def update_reaches(level, changed_limbs, problem):
+    """Update the greatest, least and agreed reach of the limbs for each end of the tasks of a level, in metres.
 
-    Levels above keep theirs, but for limbs whose end is held by another task now, the ``changed`` (bits).
+    Tasks of the levels above keep theirs, except on the limbs in the bit mask ``changed_limbs``, whose hand or foot is
+    held by another task now.
     """
     tasks = problem.tasks
     for c in range(tasks.shape[0]):
@@ -376,7 +405,7 @@ def update_reaches(level, changed, problem):
             continue
         for end in range(2):
             limb = row.limbs[end]
-            if row.level < level and not (limb >= 0 and changed >> limb & 1):
+            if row.level < level and not (limb >= 0 and changed_limbs >> limb & 1):
                 continue
             if end == 0 and is_position(row) and (limb < 0 or row.limb_weights[end, 0] == 0.0):
                 copy_point(end_position(row, end, problem.start), row.start_position)
@@ -386,18 +415,18 @@ def update_reaches(level, changed, problem):
 
 
 @kernel
-def update_reach(c, end, own, problem):
-    """Update least, greatest and agreed reach of one end of a task; those of the ``own`` level from the limb's present
-    root.
+def update_reach(c, end, is_own_level, problem):
+    """Update least, greatest and agreed reach in metres of a limb for one end of task ``c``.
 
-    Beyond its soft-IK threshold (or the extension of the motion) the limb extends softly, so that its extension is
-    smooth in time and the trunk covers the rest without error (METHOD 8, "reach sharing").
+    With ``is_own_level``, for a task of the level being solved, the position of the limb's root is saved first. Beyond
+    its soft-IK threshold (or its extension in the motion) the limb extends softly, so that its extension is smooth in
+    time and the trunk covers the rest without error (METHOD 8, "reach sharing").
     """
     body, start, row = problem.body, problem.start, problem.tasks[c]
     limb, origin = row.limbs[end], row.root_positions[end]
     holds_end, point = limb >= 2 or problem.search.end_tasks[limb] >= 0, end_position(row, end, start)
     _, upper, root = limb_parts(limb, start.positions.shape[0] - POINTS_BESIDE_SPINE)
-    if own:
+    if is_own_level:
         copy_point(problem.pose.positions[root], origin)
     fold, reach, now = reach_range(limb, row.segments[end], holds_end, point, body.limits, start)
     row.min_reach[end], row.max_reach[end], row.goal_reaches[end] = fold, reach, reach

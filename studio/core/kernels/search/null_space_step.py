@@ -23,34 +23,40 @@ from studio.core.kernels.limits.root_reach_limit import limit_root_step
 from studio.core.kernels.search.joints import ROOT_TRANSLATION, SOFT_JOINT_LIMIT, scale_along_axis
 from studio.core.kernels.tasks.second_order import INEQUALITY_ROW, add_row_hessian
 
-MAX_ERROR = 0.3
-"""Greatest error, in metres or radians, of one step."""
-MAX_STEP = 0.25
-"""Greatest displacement of a step in metres, a radian counting half a metre."""
-SINGULAR_PIVOT = 3e-4
-"""Remaining fraction of the pivot of an equality row below which it depends on the rows before it."""
-DEPENDENT_PIVOT = 0.2
-"""The same of an objective row, while its errors are large."""
+MAX_ROW_ERROR = 0.3
+"""Greatest error of a row in one step, in metres or radians; greater ones are clamped."""
+MAX_STEP_DISPLACEMENT = 0.25
+"""Greatest displacement of a step in metres; a radian counts as half a metre."""
+SINGULAR_PIVOT_FRACTION = 3e-4
+"""Fraction of an equality row's pivot that remains after elimination, below which the row counts as dependent on the
+rows before it.
+"""
+DEPENDENT_PIVOT_FRACTION = 0.2
+"""Fraction of an objective row's pivot that remains after elimination, below which the row counts as dependent, while
+errors are large.
+"""
 HALF_DAMPING_ERROR = 0.05
 """Error in metres at which the damping is halved: Newton steps near the goal are not damped."""
 ACTIVE_SET_ITERATIONS = 4
-"""Iterations of the active set at most."""
+"""Greatest number of changes of the active set."""
 LIMIT_CURVATURE = 0.5
-"""Fraction of its curvature with which a limit responds."""
+"""Factor of the curvature of joint limits in the objective."""
 STATE_ROUNDING = 1.5 * 2.0**18
 """Constant whose addition and subtraction round a number to multiples of 2^-34, 6e-11 radians or metres."""
 LIMIT_APPROACH, LIMIT_MARGIN = 0.3, 3e-5
-"""Fraction of its margin that a step leaves a joint before its limit, and fraction of the limit that always remains."""
+"""Least fraction of the margin to its limit that a step leaves to a joint, and least fraction of the limit that always
+remains.
+"""
 
 
 @kernel
 def null_space_step(equality_count, count, damping, rows, chain, equations, positions):
-    """Find the step (N, 3) that keeps the equality rows, and that of the objective rows; the gradient of half the sum
-    of squared errors along the latter.
+    """Write two steps (N, 3): that which keeps the equality rows, and that of the objective rows in the equalities'
+    null space.
 
-    They become the last but one and the last of ``equations.directions``. ``damping`` is the fraction of the damping of
-    ineffective directions; of the ``count`` rows the first ``equality_count`` are held. Records as in
-    ``kernels.records``.
+    They become the last but one and the last of ``equations.directions``. Of the ``count`` rows the first
+    ``equality_count`` are held. ``damping`` is the fraction of the regular damping. Returns the derivative of half the
+    sum of squared errors along the objective step. Records are those of ``kernels.records``.
     """
     active, flat, roles = equations.active, equations.flat, rows.roles
     damp_jacobian(count, rows.jacobian, rows.damping)
@@ -69,8 +75,10 @@ def null_space_step(equality_count, count, damping, rows, chain, equations, posi
 
 @summing_kernel
 def multiply_rows(count, jacobian, weight_rows, joint_weights, weighted, gram):
-    """Write rows (R, 3 N) times joint weights into ``weighted``, and the Gram matrix (R, R) of elements J_q . w_r J_r,
-    with the weights of row r.
+    """Write rows (R, 3 N) times joint weights into ``weighted``, and the Gram matrix (R, R) of elements J_q . w_r J_r
+    into ``gram``.
+
+    w_r are the joint weights of row r.
     """
     for i in range(count):
         weights, row, out_row = joint_weights[weight_rows[i]], jacobian[i], weighted[i]
@@ -98,7 +106,7 @@ def multiply_rows(count, jacobian, weight_rows, joint_weights, weighted, gram):
 
 @kernel
 def damp_jacobian(count, jacobian, damping):
-    """Multiply the columns of rows by the square root of the joints' damping near their limits; the step is multiplied
+    """Multiply the columns of the Jacobian by the root of the joints' damping near their limits; the step is multiplied
     by it again.
     """
     for k in range(damping.shape[0]):
@@ -109,7 +117,9 @@ def damp_jacobian(count, jacobian, damping):
 
 @kernel
 def solve_active_set(equality_count, count, damping, rows, chain, equations, positions):
-    """Solve the step with the present active set; the gradient along it."""
+    """Solve both steps with the present active set of inequalities; returns the directional derivative along the
+    objective step.
+    """
     errors, brakes = rows.errors, rows.damping
     system, active, coefficients, directions = (
         equations.equalities,
@@ -147,7 +157,7 @@ def solve_active_set(equality_count, count, damping, rows, chain, equations, pos
 
 @small_kernel
 def damp_direction(damping, direction):
-    """Scale a direction (N, 3) by the root of the joints' damping."""
+    """Scale a direction (N, 3) by the root of the joints' damping, in place."""
     for k in range(damping.shape[0]):
         if damping[k].fraction < 1.0:
             scale_along_axis(damping[k].fraction, damping[k].axis, direction[k])
@@ -155,7 +165,8 @@ def damp_direction(damping, direction):
 
 @kernel
 def solve_equalities(equality_count, count, errors, equations):
-    """Solve the active equality rows h for the errors and the objective rows a; returns the number of active rows.
+    """Solve the active equality rows h, for their errors and for the objective rows a; returns the number of active
+    rows.
 
     ``equations.equalities`` becomes M_hh^-1 [e_h | M_ha]. METHOD (21).
     """
@@ -169,7 +180,7 @@ def solve_equalities(equality_count, count, errors, equations):
             if active[j]:
                 system[active_count, column] = gram[i, j]
                 column += 1
-        system[active_count, column] = min(max(errors[i], -MAX_ERROR), MAX_ERROR)
+        system[active_count, column] = min(max(errors[i], -MAX_ROW_ERROR), MAX_ROW_ERROR)
         for j in range(equality_count, count):
             system[active_count, column + 1 + j - equality_count] = gram[i, j]
         active_count += 1
@@ -190,7 +201,7 @@ def eliminate(system, count, columns):
     The last column has the pivots before elimination. Entries below the diagonal are not read.
     """
     for i in range(count):
-        pivot, floor = system[i, i], SINGULAR_PIVOT * system[i, columns]
+        pivot, floor = system[i, i], SINGULAR_PIVOT_FRACTION * system[i, columns]
         inverse = pivot / (pivot * pivot + floor * floor + 1e-24)
         system[i, i] = inverse
         for j in range(i + 1, count):
@@ -206,17 +217,16 @@ def eliminate(system, count, columns):
 
 @small_kernel
 def subtract_multiple(factor, numbers, first, past, out_numbers):
-    """Subtract ``factor`` times some numbers from others, from index ``first`` on; unsigned indices vectorise."""
+    """Subtract ``factor`` times ``numbers`` from ``out_numbers``, at indices ``first`` to ``past``; unsigned indices
+    vectorise.
+    """
     for rank in range(np.uint64(first), np.uint64(past)):
         out_numbers[rank] -= factor * numbers[rank]
 
 
 @kernel
 def project_direction(equality_count, j, active_count, system, active, weighted, flat):
-    """Write the null-space projected direction (3 N) of an objective row.
-
-    METHOD (22).
-    """
+    """Write the null-space projected direction (3 N) of objective row ``j``. METHOD (22)."""
     for number in range(flat.shape[1]):
         flat[j, number] = weighted[j, number]
     rank = 0
@@ -230,8 +240,9 @@ def project_direction(equality_count, j, active_count, system, active, weighted,
 
 @kernel
 def solve_objective(equality_count, count, active_count, damping, rows, chain, equations, positions):
-    """Write the Newton step in the span of the projected objective rows into ``coefficients`` (METHOD (23)); returns
-    the directional derivative along it.
+    """Write the coefficients of the Newton step along the projected objective rows into ``coefficients`` (METHOD (23)).
+
+    Returns the derivative of half the sum of squared errors along the step.
     """
     errors, joints, limits = rows.errors, chain.joints, chain.limits
     gram, system, normal, active = equations.gram, equations.equalities, equations.normal, equations.active
@@ -239,7 +250,7 @@ def solve_objective(equality_count, count, active_count, damping, rows, chain, e
     own = count - equality_count
     worst = 1e-9
     for i in range(own):
-        coefficients[equality_count + i] = min(max(errors[equality_count + i], -MAX_ERROR), MAX_ERROR)
+        coefficients[equality_count + i] = min(max(errors[equality_count + i], -MAX_ROW_ERROR), MAX_ROW_ERROR)
         worst = max(worst, abs(coefficients[equality_count + i]))
         for j in range(own):
             scratch[i, j] = gram[equality_count + i, equality_count + j]
@@ -268,7 +279,8 @@ def solve_objective(equality_count, count, active_count, damping, rows, chain, e
 
 @kernel
 def add_limit_curvature(far_off, equality_count, count, rows, limits, directions, normal):
-    """Add the curvature, multiplier / remaining angle, of limits to joints that are pressed against them (METHOD (24)).
+    """Add the curvature, multiplier / remaining angle, of limits that joints are pressed against to the normal
+    equations (METHOD (24)).
 
     Far from the goal it prevents steps from oscillating along the limit; near the goal it is left out.
     """
@@ -279,7 +291,7 @@ def add_limit_curvature(far_off, equality_count, count, rows, limits, directions
         x, y, z, root = damping[k].axis[0], damping[k].axis[1], damping[k].axis[2], damping[k].fraction
         push = 0.0
         for q in range(equality_count, count):
-            clamped_error = min(max(errors[q], -MAX_ERROR), MAX_ERROR)
+            clamped_error = min(max(errors[q], -MAX_ROW_ERROR), MAX_ROW_ERROR)
             push += clamped_error * (x * jacobian[q, k, 0] + y * jacobian[q, k, 1] + z * jacobian[q, k, 2])
         if push <= 0.0:
             continue
@@ -315,7 +327,7 @@ def add_second_order_terms(equality_count, count, active_count, rows, joints, eq
             push = 0.0
             for j in range(equality_count, count):
                 push -= system[rank - 1, active_count + 1 + j - equality_count] * min(
-                    max(errors[j], -MAX_ERROR), MAX_ERROR
+                    max(errors[j], -MAX_ROW_ERROR), MAX_ROW_ERROR
                 )
         if push > 0.0 and point_errors[q].segment >= 0.0:
             add_row_hessian(push, point_errors[q], equality_count, count, joints, equations, positions)
@@ -323,8 +335,8 @@ def add_second_order_terms(equality_count, count, active_count, rows, joints, eq
 
 @kernel
 def solve_positive(normal, count, gram, damping, coefficients, first):
-    """Solve the symmetric system (n, n + 1) by elimination into ``coefficients[first:]``; its product with the right
-    side.
+    """Solve the symmetric system (n, n + 1) by elimination into ``coefficients[first:]``; returns the product of
+    solution and right side.
 
     Pivots are bounded below by those of dependent rows, and factors are bounded whatever the curvature (Gill, Murray
     and Wright 1981, 4.4.2.2).
@@ -336,7 +348,7 @@ def solve_positive(normal, count, gram, damping, coefficients, first):
         most = 0.0
         for j in range(i + 1, count):
             most = max(most, abs(normal[j, i]))
-        floor = DEPENDENT_PIVOT * gram[first + i, first + i]
+        floor = DEPENDENT_PIVOT_FRACTION * gram[first + i, first + i]
         pivot = max(normal[i, i], most * most / bound) + damping * floor * floor + 1e-15
         normal[i, i] = pivot
         for j in range(i + 1, count):
@@ -356,7 +368,7 @@ def solve_positive(normal, count, gram, damping, coefficients, first):
 
 @kernel
 def add_violated_bound(equality_count, count, errors, margins, equations):
-    """Activate the inequality that the step violates most; True if there is one.
+    """Activate the inequality that the step violates most; True if any is violated.
 
     An inequality with a margin is soft: it decelerates over the margin, so that nothing stops from one frame to the
     next.
@@ -382,7 +394,7 @@ def add_violated_bound(equality_count, count, errors, margins, equations):
 
 @kernel
 def deactivate_bound(equality_count, roles, equations):
-    """Remove the inequality with the most negative multiplier from the active set; True if there is one."""
+    """Remove the inequality with the most negative multiplier from the active set; True if any is negative."""
     active, coefficients = equations.active, equations.coefficients
     found, least = -1, 0.0
     for i in range(equality_count):
@@ -395,7 +407,7 @@ def deactivate_bound(equality_count, roles, equations):
 
 @kernel
 def longest_displacement(joints, direction):
-    """Greatest displacement in metres of a step (N, 3), a radian counting half a metre."""
+    """Greatest displacement in metres of a step (N, 3); a radian counts as half a metre."""
     longest = 0.0
     for k in range(joints.shape[0]):
         squared = direction[k, 0] ** 2 + direction[k, 1] ** 2 + direction[k, 2] ** 2
@@ -408,7 +420,7 @@ def apply_step(least, step_scale, fraction, problem):
     """Apply the equality step and ``fraction`` of the objective step, within the reach of planted feet; returns the
     displacement in metres.
 
-    ``step_scale`` scales both. Nothing moves if the displacement would be ``least`` or less.
+    ``step_scale`` scales both steps. Nothing moves if the displacement would be ``least`` or less.
     """
     chain, search, directions = problem.chain, problem.search, problem.search.equations.directions
     joint_of_segment, direction = chain.joint_of_segment, directions[directions.shape[0] - 1]
@@ -429,21 +441,22 @@ def apply_step(least, step_scale, fraction, problem):
 
 @kernel
 def move_joints(least, chain, segment_rotations, direction, state):
-    """Add a step to the state of every joint, shortened if it is too long; its displacement in metres, 0 up to
-    ``least``.
+    """Add a step to the state of every joint, shortened if it is too long; returns its displacement in metres.
+
+    Nothing moves, and 0 is returned, if the displacement would be ``least`` or less.
     """
     joints, limits = chain.joints, chain.limits
     longest = longest_displacement(joints, direction)
-    scale = min(1.0, MAX_STEP / max(longest, 1e-9))
+    scale = min(1.0, MAX_STEP_DISPLACEMENT / max(longest, 1e-9))
     if longest <= least:
         return 0.0
     for k in range(joints.shape[0]):
         x, y, z = scale * direction[k, 0], scale * direction[k, 1], scale * direction[k, 2]
         if joints[k].segment == ROOT_TRANSLATION:
             state[k, 0], state[k, 1], state[k, 2] = (
-                rounded(state[k, 0] + x),
-                rounded(state[k, 1] + y),
-                rounded(state[k, 2] + z),
+                round_state(state[k, 0] + x),
+                round_state(state[k, 1] + y),
+                round_state(state[k, 2] + z),
             )
         elif x != 0.0 or y != 0.0 or z != 0.0:
             compose_gibbs(x, y, z, segment_rotations[joints[k].parent], limits[k], state[k])
@@ -452,7 +465,7 @@ def move_joints(least, chain, segment_rotations, direction, state):
 
 @kernel
 def compose_gibbs(x, y, z, parent, limit, state):
-    """Compose a small rotation t in world axes with a joint's Gibbs vector: g' = (t + g + t x g) / (1 - t . g),
+    """Compose a small rotation t in world axes with a joint's Gibbs vector g, in place: (t + g + t x g) / (1 - t . g),
     limited.
 
     METHOD (20).
@@ -471,12 +484,12 @@ def compose_gibbs(x, y, z, parent, limit, state):
         margin = limit - max(math.sqrt(gx * gx + gy * gy + gz * gz), freely)
         most = limit - max(LIMIT_APPROACH * margin, LIMIT_MARGIN * limit)
         scale = min(1.0, most / math.sqrt(squared))
-    state[0], state[1], state[2] = rounded(scale * nx), rounded(scale * ny), rounded(scale * nz)
+    state[0], state[1], state[2] = round_state(scale * nx), round_state(scale * ny), round_state(scale * nz)
 
 
 @small_kernel
-def rounded(value):
-    """Number rounded to a multiple of 2^-34, the same for sums in any order of their terms.
+def round_state(value):
+    """``value`` rounded to a multiple of 2^-34, so that it does not depend on the order of a sum.
 
     The result of a level must not depend on the number of joints that other levels free, not even by rounding.
     """

@@ -1,4 +1,5 @@
-"""Redundant arms and legs for a balance: their weights at a frame, and goals within their reach (METHOD 11).
+"""Arms and legs as redundant limbs of a balance: their joint weights at a frame, and goals within their reach (METHOD
+11).
 
 Records are those of ``kernels.records``.
 """
@@ -15,18 +16,17 @@ from studio.core.kernels.tasks.goals import is_balance
 from studio.core.kernels.tasks.task_status import ACTIVE
 
 SOFT_MASS_TRAVEL, USABLE_MASS_TRAVEL = 0.5, 0.65
-"""Fraction of the reachable travel of the centre of mass that is requested freely, and fraction of the travel predicted
-by the levers that is reachable.
+"""Fraction of the centre of mass' reachable travel up to which travel is not reduced, and fraction of the travel
+predicted by the levers that counts as reachable.
 """
 
 
 @kernel
 def update_joint_weights(least, frame, activations, redundancy, problem):
-    """Update the joint weights of each level for this frame: the greatest over its active tasks and those above, as
-    ``set_goals`` selects them by ``least``.
+    """Update the joint weights of each level for one frame: the greatest over the active tasks down to the level.
 
-    Shoulders and hips are scaled by the availability of their limbs; their limits follow the level that frees them
-    most.
+    Tasks with blended transitions count as active from the activation ``least`` on. Shoulders and hips are scaled by
+    the availability of their limbs; their joint limits follow the level that frees them most.
     """
     tasks, weights, limits, count = (
         problem.tasks,
@@ -52,7 +52,7 @@ def update_joint_weights(least, frame, activations, redundancy, problem):
 
 @kernel
 def update_level_weights(level, least, frame, activations, tasks, weights):
-    """Update the weights of a ``level``: the greatest over the active tasks down to it."""
+    """Update the joint weights of one level: the greatest over the active tasks down to it."""
     count = tasks.shape[0]
     out_level = weights[count + level]
     for k in range(out_level.shape[0]):
@@ -66,10 +66,10 @@ def update_level_weights(level, least, frame, activations, tasks, weights):
 
 @kernel
 def set_reachable_balance_goals(level, problem):
-    """Set the goals of a level's balances: their targets or, where limbs help, softly as near as the joints reach
-    (METHOD (33)); True if there are any.
+    """Set the goals of a level's balances: their targets or, where limbs help, as near to these as the joints softly
+    reach (METHOD (33)).
 
-    At their limits arms would whirl about for a target out of reach.
+    Returns True if the level has a balance. At their limits arms would whirl about for a target out of reach.
     """
     tasks, chain, body, pose = problem.tasks, problem.chain, problem.body, problem.pose
     found = False
@@ -96,7 +96,7 @@ def set_reachable_balance_goals(level, problem):
 
 @kernel
 def may_rotate_limbs(row, chain):
-    """True if a task, or a level with all above it (``row`` of the weights), may rotate a shoulder or a hip."""
+    """True if ``row`` of the joint weights, a task's or a level's, may rotate a shoulder or a hip."""
     found = False
     for limb in range(4):
         found = found or may_rotate(row, limb_parts(limb, chain.joint_of_segment.shape[0] - 19)[1], chain)
@@ -105,8 +105,10 @@ def may_rotate_limbs(row, chain):
 
 @kernel
 def mass_travel_product(row, mass, weights, problem):
-    """Dot product (square metres) of the vector from the centre of ``mass`` (3,) to its target with the displacement of
-    that centre when every helping joint is rotated to its limit.
+    """Dot product (m2) of the vector from the centre of ``mass`` (3,) to its target with the travel that the helping
+    joints can give it.
+
+    The travel is that of all helping joints rotated to their limits, by their present levers.
     """
     chain, masses, search, positions = problem.chain, problem.body.masses, problem.search, problem.pose.positions
     jacobian, total = search.rows.jacobian, 0.0

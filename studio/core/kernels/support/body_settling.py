@@ -1,11 +1,14 @@
-"""Bodies supported by more than their feet: root poses with all contacts in reach, and arms placed on their hands."""
+"""Root poses of bodies supported by more than their feet, with all contacts in reach, and arms placed on their
+contacts.
+"""
 
 import math
 from typing import NamedTuple
 
 import numpy as np
 
-from studio.core.kernels import layout as at
+from studio.core.kernels import channel_columns as channel
+from studio.core.kernels import measure_columns as measure
 from studio.core.kernels.algebra.rotation_matrices import rotation_vector_to_matrix
 from studio.core.kernels.algebra.rotation_tuples import (
     aim_z_axis,
@@ -29,41 +32,42 @@ from studio.core.kernels.limbs.limb import place_limb, soft_extension
 from studio.core.kernels.records import Array, LimbShape, Pose
 
 SETTLING_STEPS = 12
-"""Gauss-Newton steps at most."""
+"""Greatest number of Gauss-Newton steps."""
 LONGEST_SETTLING_STEP = 0.05
-"""Greatest length of one step in metres."""
+"""Greatest length in metres of one step."""
 METRES_PER_RADIAN = 0.6
 """Travel in metres that costs as much as a rotation of the body by one radian."""
 SETTLED_STEP = 1e-7
-"""Length in metres (or radians times ``METRES_PER_RADIAN``) of the last step."""
+"""Length of a step, in metres (or radians times ``METRES_PER_RADIAN``), below which no further one is taken."""
 
 
 class SettlingScratch(NamedTuple):
     """Scratch of ``settle_frames``."""
 
-    turn: Array
-    """(3, 3) rotation of the body now."""
+    rotation: Array
+    """(3, 3) present rotation of the body."""
     arm: Array
     """(3,) from the root to the start of a link."""
     row: Array
     """(6,) Jacobian row of a link's length."""
     normal: Array
-    """(6, 7) the normal equations."""
+    """(6, 7) normal equations."""
     taut: Array
-    """(N,) True for a link that has been too long."""
+    """(N,) True for a link that has been longer than its limit."""
 
 
 @allocating_kernel
 def settle_frames(roots, links, seats, centres, stiffness, moves):
-    """Move and rotate whole bodies by the least amount that brings all contacts into reach of their limbs.
+    """Find the least translation and rotation of whole bodies that bring all contacts into reach of their limbs.
 
-    It is the least-squares solution of the excess lengths and, ``stiffness`` times, of the distance of the moves from
-    ``centres`` (F, 6): one minimum, a smooth function of its inputs.
+    The result is the least-squares solution of the excess lengths and, ``stiffness`` times, of the distance of the
+    moves from ``centres`` (F, 6): one minimum, a smooth function of its inputs.
 
-    ``roots`` (F, 3); ``links`` as in ``kernels.records``; ``seats`` (F, 7) the seat from the root, its target, and its
-    weight f, 1 where it is in contact: of the way between ``centres`` and target it goes f^2 / (f^2 + (1 - f)^2).
-    ``moves`` (F, 6), in place: travel of the root and a rotation vector about it. Gauss-Newton from ``centres``; a link
-    that has been too long stays an equality, or it would alternate. METHOD (10).
+    ``moves`` (F, 6) receive the translation of the root and a rotation vector about it. ``roots`` (F, 3); ``links`` is
+    a ``SupportLinks`` record; ``seats`` (F, 7) the position of the seat relative to the root, its target, and the
+    weight f of its contact, 1 in contact: the seat goes f^2 / (f^2 + (1 - f)^2) of the way from ``centres`` to its
+    target. Gauss-Newton steps begin at ``centres``; a link that has been too long stays an equality, since it would
+    alternate. METHOD (10).
     """
     scratch = SettlingScratch(
         np.empty((3, 3)), np.empty(3), np.empty(6), np.empty((6, 7)), np.empty(len(links.starts), np.bool_)
@@ -75,7 +79,7 @@ def settle_frames(roots, links, seats, centres, stiffness, moves):
         scratch.taut[:] = False
         for _ in range(SETTLING_STEPS):
             scratch.normal[:] = 0.0
-            rotation_vector_to_matrix(move[3], move[4], move[5], scratch.turn)
+            rotation_vector_to_matrix(move[3], move[4], move[5], scratch.rotation)
             add_link_errors(frame, roots[frame], links, move, scratch)
             add_seat_error(roots[frame], seats[frame], stiffness, move, scratch)
             if settling_step(stiffness, centre, move, scratch.normal) < SETTLED_STEP:
@@ -112,8 +116,8 @@ def add_seat_error(root, seat, stiffness, move, scratch):
 
 @kernel
 def write_lever(start, scratch):
-    """Write ``start`` (3,) rotated with the body, from the root."""
-    arm, rotation = scratch.arm, scratch.turn
+    """Write ``start`` (3,), relative to the root, rotated with the body into ``scratch.arm``."""
+    arm, rotation = scratch.arm, scratch.rotation
     for axis in range(3):
         arm[axis] = 0.0
     write_transformed_point(arm, rotation_from_matrix(rotation), start[0], start[1], start[2], arm)
@@ -121,7 +125,9 @@ def write_lever(start, scratch):
 
 @kernel
 def settling_step(stiffness, centre, move, normal):
-    """Take the Gauss-Newton step of the ``normal`` equations; returns its greatest component."""
+    """Take the Gauss-Newton step of the ``normal`` equations on ``move`` (6,); returns the greatest component of the
+    step.
+    """
     for axis in range(6):
         normal[axis, axis] += stiffness
         normal[axis, 6] += stiffness * (centre[axis] - move[axis]) * (1.0 if axis < 3 else METRES_PER_RADIAN)
@@ -137,7 +143,8 @@ def settling_step(stiffness, centre, move, normal):
 
 @kernel
 def add_direction_error(x, y, z, error, scratch):
-    """Add to the normal equations a displacement ``error`` of the point at ``scratch.arm`` along a direction.
+    """Add a required displacement to the normal equations: ``error`` metres of the point at ``scratch.arm`` along (x,
+    y, z).
 
     METHOD (10).
     """
@@ -154,7 +161,7 @@ def add_direction_error(x, y, z, error, scratch):
 
 @kernel
 def solve_positive_definite(matrix):
-    """Solve a symmetric positive definite system (N, N + 1); the solution is in its last column."""
+    """Solve a symmetric positive definite system (N, N + 1), in place; its last column becomes the solution."""
     count = matrix.shape[0]
     for i in range(count):
         for j in range(i + 1, count):
@@ -169,7 +176,9 @@ def solve_positive_definite(matrix):
 
 @allocating_kernel
 def move_bodies(moves, positions, rotations):
-    """Rotate every frame's body about its root and translate it, in place; ``moves`` (F, 6) as in ``settle_frames``."""
+    """Rotate every frame's body about its root and translate it, in place, by ``moves`` (F, 6): translation and
+    rotation vector.
+    """
     spine_count = positions.shape[1] - POINTS_BESIDE_SPINE
     for frame in range(positions.shape[0]):
         move = moves[frame]
@@ -181,9 +190,10 @@ def move_bodies(moves, positions, rotations):
 
 @kernel
 def place_arms(measures, arms, positions, rotations):
-    """Place ``arms`` (``kernels.records``) of all frames on their wrists, in place, with the given hands (METHOD 6).
+    """Place the arms of all frames with their wrists at the targets, in place (METHOD 6).
 
-    ``measures`` (F or 1, n). An arm extends freely to its soft-IK threshold, and softly beyond.
+    ``arms`` is an ``ArmTargets`` record; ``measures`` (F or 1, n). An arm extends freely to its soft-IK threshold, and
+    softly beyond.
     """
     for frame in range(positions.shape[0]):
         row = measures[frame if measures.shape[0] > 1 else 0]
@@ -194,21 +204,21 @@ def place_arms(measures, arms, positions, rotations):
 
 @kernel
 def place_arm(frame, side, measures, arms, pose):
-    """Place one arm of one frame: shoulder from the clavicle, wrist at its target, hand as given."""
+    """Place one arm of one frame: shoulder on the clavicle, wrist at its target, hand with its target rotation."""
     channels, wrist = arms.channels[frame], arms.wrists[side, frame]
-    spine_count = (measures.shape[0] - at.MEASURE_SPINE) // 3
+    spine_count = (measures.shape[0] - measure.SPINE) // 3
     shoulder, upper_arm = (
         spine_count + SHOULDER_POINT + POINTS_PER_LIMB * side,
         spine_count + UPPER_ARM_SEGMENT + SEGMENTS_PER_LIMB * side,
     )
-    t = at.LIMB_TWIST + 2 * side
+    t = channel.LIMB_TWIST + 2 * side
     parent = compose(
         rotation_from_matrix(pose.rotations[spine_count - 1]),
-        rotation_from_quaternion(channels, at.CLAVICLE + 4 * side),
+        rotation_from_quaternion(channels, channel.CLAVICLE + 4 * side),
     )
-    axes = compose(parent, rotation_from_quaternion(channels, at.LIMB_FRAME + 4 * side))
+    axes = compose(parent, rotation_from_quaternion(channels, channel.LIMB_FRAME + 4 * side))
     origin = pose.positions[shoulder]
-    upper, lower = measures[at.MEASURE_ARM + 2 * side], measures[at.MEASURE_ARM + 2 * side + 1]
+    upper, lower = measures[measure.ARM + 2 * side], measures[measure.ARM + 2 * side + 1]
     length = upper + lower
     x, y, z = wrist[0] - origin[0], wrist[1] - origin[1], wrist[2] - origin[2]
     distance = math.sqrt(x * x + y * y + z * z)
@@ -217,12 +227,12 @@ def place_arm(frame, side, measures, arms, pose):
     limb = LimbShape(
         (upper, lower),
         max(length * soft_extension(distance / length, arms.soft_thresholds[side, frame]), abs(upper - lower) + 1e-6),
-        channels[at.LIMB_OFF_PLANE + side] * length,
+        channels[channel.LIMB_OFF_PLANE + side] * length,
         arms.bends[side, frame],
         (channels[t], channels[t + 1]),
     )
     end, _ = place_limb(shoulder, upper_arm, axes, limb, pose)
     rotation = rotation_from_matrix(arms.hands[side, frame])
     write_rotation(rotation, pose.rotations[upper_arm + 2])
-    m = at.MEASURE_HAND + 3 * side
+    m = measure.HAND + 3 * side
     write_transformed_point(end, rotation, measures[m], measures[m + 1], measures[m + 2], pose.positions[shoulder + 3])

@@ -1,6 +1,6 @@
-"""Ankles of standing feet, anchored through each contact (METHOD 5).
+"""Ankle targets of standing feet, anchored at one position through each contact (METHOD 5).
 
-``states`` (F,) and ``soles`` (F or 1, 6) as in ``kernels.support.sole``.
+``states`` (F,) and ``soles`` (F or 1, 6) are those of ``kernels.support.sole``.
 """
 
 import math
@@ -13,23 +13,27 @@ from studio.core.kernels.compiling import allocating_kernel, kernel
 from studio.core.kernels.support.gap_interpolation import fade_into_gaps
 from studio.core.kernels.support.sole import HEEL_STANDS, TOE_STANDS, sole_height, stance_offsets, tip_offset
 
-HEEL, BALL, TIP = range(3)
-"""Points on which a foot turns, in the order of ``tip_offset``."""
-TIP_PIVOT = 0.3
-"""Downward pitch in radians of a toe from which it pivots on its tip alone; at less, partly on the ball."""
-SMALLEST_SIZE = 1.02
-"""Size of a growing body, relative to its least in a contact, up to which positions count: those it always reaches."""
+HEEL_PIVOT, BALL_PIVOT, TIP_PIVOT = range(3)
+"""Pivots of a foot: points about which it rotates, in the order of the offsets that ``tip_offset`` writes."""
+TIP_PIVOT_PITCH = 0.3
+"""Downward pitch in radians of a toe from which it pivots on its tip alone; at a smaller pitch partly on the ball."""
+SMALL_BODY_RATIO = 1.02
+"""Greatest size of a growing body, relative to its least size in a contact, at which positions count for the anchor:
+the body always reaches those.
+"""
 
 
 @allocating_kernel
 def anchor_ankles(ankles, feet, states, soles, ground, pitches, reach, fade, out_ankles):
-    """Write ankle targets (F, 3): anchored through every contact, with corrections that fade in between (METHOD 5).
+    """Write ankle targets (F, 3): anchored through every contact, with corrections that fade between contacts (METHOD
+    5).
 
     ``ankles`` (F, 3) as retargeted, ``feet`` (F, 3, 3) corrected; ``ground`` (F,) height under the foot; ``pitches``
-    (F,) of toes that stand on their tips. Each contact has one anchor: the median position of the heel's pad in its
-    longest run (of the ball, if no heel stands). Every other pivot is where the foot is when the contact passes from
-    heel to ball, or back, so that nothing jumps; toes pass gradually from ball to tip as they pitch: a point between
-    stays. A foot that grows is anchored where it is while it is small.
+    (F,) downward pitches of toes that stand on their tips; ``reach`` and ``fade`` as ``reach`` and ``least`` of
+    ``fade_into_gaps``. Each contact has one anchor: the median position of the heel's pad in its longest run (of the
+    ball, if no heel stands). Every other pivot is at the foot's position when the contact passes from heel to ball, or
+    back, so that nothing jumps; toes pass gradually from ball to tip as they pitch. A foot that grows is anchored at
+    its position while it is small.
     """
     count = states.shape[0]
     shift = np.zeros((count, 3))
@@ -55,8 +59,8 @@ def anchor_ankles(ankles, feet, states, soles, ground, pitches, reach, fade, out
 
 @allocating_kernel
 def anchor_contact(span, ankles, feet, states, soles, ground, pitches, out_ankles):
-    """Write ankle targets of one contact, a ``span`` of frames (begin, end excluded), from its anchor in both
-    directions.
+    """Write ankle targets of one contact, the frames ``span`` (begin, end excluded), from its anchor forwards and
+    backwards.
 
     METHOD (6).
     """
@@ -71,27 +75,27 @@ def anchor_contact(span, ankles, feet, states, soles, ground, pitches, out_ankle
     offsets = np.zeros((3, 3))
     for frame in range(first, last):
         sole = soles[frame if soles.shape[0] > 1 else 0]
-        if sole[0] - least > (SMALLEST_SIZE - 1.0) * abs(least):
+        if sole[0] - least > (SMALL_BODY_RATIO - 1.0) * abs(least):
             continue
         stance_offsets(feet[frame], sole, offsets)
         for axis in range(2):
-            reach[count, axis] = offsets[HEEL if heel else BALL, axis] + ankles[frame, axis]
+            reach[count, axis] = offsets[HEEL_PIVOT if heel else BALL_PIVOT, axis] + ankles[frame, axis]
         count += 1
     anchor = geometric_median(reach[:count])
     pivots, shares = np.zeros((3, 2)), np.zeros(3)
     for sweep_direction in range(2):
         previous, before = HEEL_STANDS if heel else TOE_STANDS, 0.0
         for axis in range(2):
-            pivots[HEEL if heel else BALL, axis] = anchor[axis]
+            pivots[HEEL_PIVOT if heel else BALL_PIVOT, axis] = anchor[axis]
         frame = first
         while begin <= frame < end:
             sole = soles[frame if soles.shape[0] > 1 else 0]
             stance_offsets(feet[frame], sole, offsets)
             rise = tip_offset(feet[frame], sole, pitches[frame], offsets)
-            tip = smoothstep(min(pitches[frame] / TIP_PIVOT, 1.0))
-            shares[HEEL] = 1.0 if states[frame] & HEEL_STANDS and previous & HEEL_STANDS else 0.0
-            shares[TIP] = (1.0 - shares[HEEL]) * 0.5 * (before + tip)
-            shares[BALL] = 1.0 - shares[HEEL] - shares[TIP]
+            tip = smoothstep(min(pitches[frame] / TIP_PIVOT_PITCH, 1.0))
+            shares[HEEL_PIVOT] = 1.0 if states[frame] & HEEL_STANDS and previous & HEEL_STANDS else 0.0
+            shares[TIP_PIVOT] = (1.0 - shares[HEEL_PIVOT]) * 0.5 * (before + tip)
+            shares[BALL_PIVOT] = 1.0 - shares[HEEL_PIVOT] - shares[TIP_PIVOT]
             for axis in range(2):
                 out_ankles[frame, axis] = 0.0
                 for pivot in range(3):
@@ -99,16 +103,14 @@ def anchor_contact(span, ankles, feet, states, soles, ground, pitches, out_ankle
                         out_ankles[frame, axis] += shares[pivot] * (pivots[pivot, axis] - offsets[pivot, axis])
                 for pivot in range(3):
                     pivots[pivot, axis] = out_ankles[frame, axis] + offsets[pivot, axis]
-            out_ankles[frame, 2] = ground[frame] + rise + sole_height(feet[frame], offsets[BALL, 2], sole)
+            out_ankles[frame, 2] = ground[frame] + rise + sole_height(feet[frame], offsets[BALL_PIVOT, 2], sole)
             previous, before = states[frame], tip
             frame += 1 if sweep_direction == 0 else -1
 
 
 @kernel
 def longest_run(states, bit, begin, end):
-    """Frames (first, last excluded) of the longest run in [begin, end) whose states have ``bit``; equal if there is
-    none.
-    """
+    """(first, past last) frame of the longest run in [begin, end) whose states have ``bit``; equal if there is none."""
     best_first, best_last, first = begin, begin, begin
     for frame in range(begin, end):
         if states[frame] & bit:

@@ -1,4 +1,4 @@
-"""Motion of one foot on a level floor (METHOD 5)."""
+"""Grounded motion of one foot on a level floor (METHOD 5)."""
 
 import math
 from typing import NamedTuple
@@ -11,7 +11,7 @@ from studio.core.kernels.records import Array
 from studio.core.kernels.support.foot_anchoring import anchor_ankles
 from studio.core.kernels.support.foot_rotation import level_soles, level_toes, limit_foot_pitch
 from studio.core.kernels.support.heel_roll import lift_heels, tiptoe_pitches
-from studio.core.kernels.support.sole import ANKLE_HEIGHT, TOE_Z, tip_rise
+from studio.core.kernels.support.sole import SOLE_ANKLE_HEIGHT, TOE_Z, tip_rise
 
 
 class FootPlan(NamedTuple):
@@ -27,12 +27,13 @@ class FootPlan(NamedTuple):
 
 @allocating_kernel
 def plan_foot(states, soles, height, is_level, reach, balls, plan):
-    """Ground one foot on a level floor (METHOD 5): ``plan`` (a ``FootPlan``) as retargeted becomes the grounded foot,
-    in place.
+    """Ground one foot on a level floor, in place: ``plan``, the foot as retargeted, becomes the grounded foot (METHOD
+    5).
 
-    ``states`` (F,); ``soles`` (F or 1, 6); ``height`` of the floor in metres; ``reach`` frames; ``balls`` (F,) heights
-    in metres of the toe joint as retargeted. If the ground ``is_level`` heels rise, and a foot in the air moves, as
-    captured; else corrections are interpolated between footprints, as their displacements to the ground will be.
+    ``states`` (F,); ``soles`` (F or 1, 6); ``height`` of the floor in metres; ``reach`` in frames; ``balls`` (F,)
+    heights in metres of the toe joint as retargeted. If the ground ``is_level``, heels rise, and a foot in the air
+    moves, as captured; otherwise corrections are interpolated between footprints, as the displacements to uneven ground
+    will be.
     """
     count = states.shape[0]
     if not (states != 0).any():
@@ -51,7 +52,7 @@ def plan_foot(states, soles, height, is_level, reach, balls, plan):
         rises = np.empty(count)
         for frame in range(count):
             sole = soles[frame if soles.shape[0] > 1 else 0]
-            rises[frame] = balls[frame] - height - sole[ANKLE_HEIGHT] - sole[TOE_Z]
+            rises[frame] = balls[frame] - height - sole[SOLE_ANKLE_HEIGHT] - sole[TOE_Z]
         tiptoe_pitches(soles, states, rises, reach, pitches)
         for frame in range(count):
             sole = soles[frame if soles.shape[0] > 1 else 0]

@@ -1,6 +1,7 @@
-"""Rotations of standing feet: level soles with one heading, and toes on the ground (METHOD 5).
+"""Rotations of standing feet: level soles with one heading a contact, and toes on the ground (METHOD 5).
 
-``states`` (F,) and ``soles`` (F or 1, 6) as in ``kernels.support.sole``.
+``states`` (F,) and ``soles`` (F or 1, 6) are those of ``kernels.support.sole``; ``reach`` and ``fade`` are ``reach``
+and ``least`` of ``fade_into_gaps``.
 """
 
 import math
@@ -40,7 +41,7 @@ from studio.core.kernels.support.sole import (
 
 @allocating_kernel
 def level_soles(rotations, states, reach, fade, out_rotations):
-    """Write foot rotations (F, 3, 3), level and of one heading through each run of flat frames.
+    """Write foot rotations (F, 3, 3) that are level and have one heading through each run of flat frames.
 
     The heading is the mean of the run; the correction is interpolated between runs (METHOD 5).
     """
@@ -78,15 +79,17 @@ def level_soles(rotations, states, reach, fade, out_rotations):
 
 @small_kernel
 def correct_rotation(correction, rotation):
-    """A rotation followed by the rotation vector ``correction`` (3,); unchanged to the bit where that is zero."""
+    """Rotation tuple ``rotation`` followed by the rotation vector ``correction`` (3,); unchanged to the bit if that is
+    zero.
+    """
     x, y, z = correction[0], correction[1], correction[2]
     return compose(rotation_from_vector(x, y, z), rotation) if x != 0.0 or y != 0.0 or z != 0.0 else rotation
 
 
 @allocating_kernel
 def limit_foot_pitch(soles, states, reach, fade, rotations):
-    """Limit foot rotations (F, 3, 3), in place: no ball below the heel in a heel stand, none above it in a
-    toe stand.
+    """Limit the pitch of foot rotations (F, 3, 3), in place: the ball is not below the heel in a heel stand, nor above
+    it in a toe stand.
     """
     count = states.shape[0]
     corrections = np.zeros((count, 3))
@@ -115,12 +118,12 @@ def limit_foot_pitch(soles, states, reach, fade, rotations):
 
 @allocating_kernel
 def level_toes(feet, toes, states, pitches, reach, fade, out_toes):
-    """Write toe rotations (F, 3, 3): level with the foot's heading while the toe stands, interpolated between (METHOD
-    (6)).
+    """Write toe rotations (F, 3, 3), in the world: level with the foot's heading while the toe stands, interpolated
+    between (METHOD (6)).
 
-    ``pitches`` (F,) in radians lower toes that stand on their tips. A steep foot on tucked toes takes its heading from
-    the instep; a foot that lies on its instep keeps its toes, and one on its side has only its tip lowered. ``feet``
-    (F, 3, 3) corrected, ``toes`` (F, 3, 3) relative to the foot; the result is in the world.
+    ``feet`` (F, 3, 3) corrected; ``toes`` (F, 3, 3) relative to the foot; ``pitches`` (F,) in radians lower toes that
+    stand on their tips. A steep foot on tucked toes takes its heading from the instep; a foot that lies on its instep
+    keeps its toes, and one on its side has only its tip lowered.
     """
     count = states.shape[0]
     corrections = np.zeros((count, 3))
@@ -158,9 +161,11 @@ def level_toes(feet, toes, states, pitches, reach, fade, out_toes):
 
 @allocating_kernel
 def rotate_toe_down(foot, toe, pitch, fraction, correction):
-    """Rotate a ``toe`` (3, 3) relative to its foot by ``fraction`` of the shortest rotation to a downward ``pitch``.
+    """Add to a toe's ``correction`` (3,) ``fraction`` of the shortest rotation that pitches the toe down by ``pitch``
+    radians.
 
-    ``correction`` (3,), a rotation vector in the foot's axes, is composed with it in place.
+    ``correction`` is a rotation vector in the foot's axes, changed in place; ``toe`` (3, 3) is relative to the ``foot``
+    (3, 3).
     """
     turned = correct_rotation(correction, rotation_from_matrix(toe))
     x, y, z = 0.0, 0.0, 0.0

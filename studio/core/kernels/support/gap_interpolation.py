@@ -1,4 +1,4 @@
-"""Interpolation of values over the frames in which they are unknown (METHOD (6))."""
+"""Interpolation of values over frames in which they are unknown (METHOD (6))."""
 
 import math
 
@@ -6,14 +6,14 @@ from studio.core.kernels.algebra.smooth_steps import smoothstep
 from studio.core.kernels.compiling import kernel, small_kernel
 
 ADDED_ACCELERATION = 0.5
-"""Greatest acceleration that a fading correction adds, as a fraction of the track's own in its gap."""
+"""Greatest acceleration that a fading correction may add, as a fraction of the track's own in its gap."""
 SMOOTHSTEP_ACCELERATION = 10.0 / math.sqrt(3.0)
 """Greatest second derivative of the smoothstep over [0, 1]."""
 
 
 @kernel
 def release_weights(planted, reach, out_free):
-    """Write 0 in ``planted`` frames (F,), rising smoothly to 1 within ``reach`` frames before and after
+    """Write weights (F,): 0 in ``planted`` frames, rising smoothly to 1 within ``reach`` frames of the nearest one
     (METHOD (6)).
     """
     count = planted.shape[0]
@@ -29,7 +29,8 @@ def release_weights(planted, reach, out_free):
 
 @kernel
 def interpolate_gaps(values, known):
-    """Interpolate values (F, N) where not ``known`` (F,), with constant values at both ends, in place.
+    """Interpolate ``values`` (F, N) smoothly where not ``known`` (F,), in place; values are constant before the first
+    and after the last known one.
 
     METHOD (6).
     """
@@ -51,13 +52,14 @@ def interpolate_gaps(values, known):
 
 @kernel
 def fade_into_gaps(corrections, known, track, reach, least):
-    """Fade corrections (F, 3) of a ``track`` (F, 3) from both ends into every gap where not ``known`` (F,), in place.
+    """Fade ``corrections`` (F, 3) of a ``track`` (F, 3) from both ends into every gap where not ``known`` (F,), in
+    place.
 
-    Each fades in ``least`` frames, or as many more as it needs to add at most ``ADDED_ACCELERATION`` of the track's own
-    acceleration, at most in the whole gap: both then interpolate. Where nothing is known beyond the gap, ``least`` of
-    infinity keeps them. Their velocity inside a run fades in ``reach`` frames by Hermite's cubic, which leads away
-    least for its acceleration: a correction that stopped at once would leave the motion its own speed one frame away
-    from rest. METHOD (6).
+    Each correction fades in ``least`` frames, or in as many more as it needs to add at most ``ADDED_ACCELERATION`` of
+    the track's own acceleration, at most in the whole gap: both ends then interpolate. Where nothing is known beyond
+    the gap, an infinite ``least`` keeps the correction. The velocity of corrections inside a run fades in ``reach``
+    frames by Hermite's cubic, which deviates least for its acceleration: without it the track would have its own
+    velocity one frame after rest. METHOD (6).
     """
     count, frame = known.shape[0], 0
     while frame < count:
@@ -92,7 +94,7 @@ def fade_into_gaps(corrections, known, track, reach, least):
 
 @kernel
 def mean_acceleration(track, first, past):
-    """Root mean square of the second differences of a ``track`` (F, 3) at frames first to past, excluded."""
+    """Root mean square of the second differences of a ``track`` (F, 3) in frames ``first`` to ``past``."""
     total, count = 0.0, 0
     for frame in range(max(first, 1), min(past, track.shape[0] - 1)):
         for axis in range(3):
@@ -104,8 +106,9 @@ def mean_acceleration(track, first, past):
 
 @small_kernel
 def is_inside_run(frame, known):
-    """True if ``known`` (F,) is true for the two frames before and the two after: ``fade_into_gaps`` does not
-    read such a frame.
+    """True if ``known`` (F,) is true for the two frames before and the two frames after ``frame``.
+
+    ``fade_into_gaps`` does not read the correction of such a frame.
     """
     return (
         1 < frame < known.shape[0] - 2

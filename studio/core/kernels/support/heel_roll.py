@@ -1,4 +1,4 @@
-"""Heels that rise as captured while the ball stands: the contact rolls over the ball (METHOD 5)."""
+"""Rising heels: while the ball stands, the foot rolls over it as captured (METHOD 5)."""
 
 import math
 
@@ -10,8 +10,8 @@ from studio.core.kernels.compiling import allocating_kernel, kernel, small_kerne
 from studio.core.kernels.support.foot_rotation import correct_rotation
 from studio.core.kernels.support.gap_interpolation import fade_into_gaps, interpolate_gaps, release_weights
 from studio.core.kernels.support.sole import (
-    ANKLE_HEIGHT,
     HEEL_STANDS,
+    SOLE_ANKLE_HEIGHT,
     TOE_LENGTH,
     TOE_STANDS,
     TOE_X,
@@ -20,64 +20,75 @@ from studio.core.kernels.support.sole import (
     pivot_offsets,
 )
 
-HEEL_RELEASE = 0.6
+HEEL_RELEASE_FRACTION = 0.6
 """Fraction of the release time after which a heel has its captured height."""
-ROLL_RELEASE = 0.5 * HEEL_RELEASE
+ROLL_RELEASE_FRACTION = 0.5 * HEEL_RELEASE_FRACTION
 """Fraction of the release time after which a heel rolls as far as its leg requires."""
-STEEP_FOOT = -0.6, -0.9
-"""Vertical component of a foot's forward axis between which a heel is raised ever less; it is lowered at any pitch."""
+STEEP_FOOT_FORWARD_Z = -0.6, -0.9
+"""Vertical components of a foot's forward axis between which raising the heel fades to zero; lowering it does not fade.
+"""
 ROLL_MARGIN = 0.01
-"""Margin before the end of the leg's reach, as a fraction of it, at which a foot begins to roll."""
-STEEPEST_TOE_ROLL = math.radians(70.0)
-"""Greatest downward pitch of a rolling foot, approached softly: beyond it stands on its tip."""
+"""Margin before the end of the leg's reach, as a fraction of the reach, at which a foot begins to roll."""
+STEEPEST_ROLL_PITCH = math.radians(70.0)
+"""Greatest downward pitch in radians of a rolling foot, approached softly: a steeper foot would stand on its tip."""
 LEAST_ROLL_GAIN = 0.4
-"""Least gain of leg length a radian, as a fraction of the distance from the ankle to the pivot."""
-STEEPEST_TOE = 1.0
+"""Least gain of leg length per radian of roll, as a fraction of the distance from the ankle to the pivot."""
+STEEPEST_TOE_PITCH = 1.0
 """Greatest downward pitch in radians of toes on their tips, approached softly."""
 TIPTOE_RISE = 0.1
 """Rise of a ball, in toe lengths, at which a foot begins to roll over the tip: soles of standing feet seem to rise by
 as much in captures, because skin moves over bones.
 """
 SOFT_TIPTOE_RISE = 0.2
-"""Further rise, in toe lengths, by which half of it is met, so that toes begin to pitch without a jolt."""
+"""Additional rise of a ball, in toe lengths, half of which is followed, so that toes begin to pitch without a jolt."""
 LEAST_FOOT_EXTENT = 0.6
-"""Least horizontal extent of a foot, as a fraction of the distance from ankle to toe joint."""
+"""Least horizontal extent of a foot, as a fraction of the distance from ankle to toe joint, by which a height is
+converted to a pitch.
+"""
 
 
 @allocating_kernel
 def tiptoe_pitches(soles, states, heights, reach, out_pitches):
-    """Write the downward pitches (F,) in radians of toes that stand alone: the ball is as high over their tip as
-    captured.
+    """Write downward pitches (F,) in radians of toes that stand alone: the ball is as high over the tip as captured.
 
-    ``heights`` (F,) of the toe joint above its height in a flat foot, as retargeted; arguments as in ``lift_heels``.
+    ``heights`` (F,) in metres of the toe joint above its height in a flat foot, as retargeted; ``soles`` (F or 1, 6)
+    and ``states`` (F,) of ``kernels.support.sole``; ``reach`` in frames.
     """
-    rolling_weights(states, HEEL_RELEASE * reach, out_pitches)
+    rolling_weights(states, HEEL_RELEASE_FRACTION * reach, out_pitches)
     for frame in range(states.shape[0]):
         length = soles[frame if soles.shape[0] > 1 else 0, TOE_LENGTH]
         if out_pitches[frame] != 0.0:
             over = max(heights[frame] / max(length, 1e-3) - TIPTOE_RISE, 0.0)
-            out_pitches[frame] *= STEEPEST_TOE * math.tanh(over * over / (over + SOFT_TIPTOE_RISE) / STEEPEST_TOE)
+            out_pitches[frame] *= STEEPEST_TOE_PITCH * math.tanh(
+                over * over / (over + SOFT_TIPTOE_RISE) / STEEPEST_TOE_PITCH
+            )
 
 
 @allocating_kernel
 def lift_heels(soles, states, heights, reach, fade, rotations):
-    """Pitch foot rotations (F, 3, 3), in place: where the toe alone stands the ankle has its captured height.
+    """Pitch foot rotations (F, 3, 3), in place, so that the ankle has its captured height where the toe alone stands.
 
-    ``heights`` (F,) of the ankle above the floor, as retargeted; ``soles`` (F or 1, 5 or more), ``states`` (F,) as in
-    ``kernels.support.sole``. The pitch fades in after the heel has left the ground, and between contacts.
+    ``heights`` (F,) in metres of the ankle above the floor, as retargeted; ``soles`` (F or 1, 6) and ``states`` (F,) of
+    ``kernels.support.sole``. The pitch fades in within ``reach`` frames after the heel has left the ground, and fades
+    between contacts.
     """
     count = states.shape[0]
     corrections, free, left_over = np.zeros((count, 3)), np.empty(count), np.zeros(count)
-    rolling_weights(states, HEEL_RELEASE * reach, free)
+    rolling_weights(states, HEEL_RELEASE_FRACTION * reach, free)
     stance_pitch_offsets(soles, states, heights, rotations, left_over)
     for frame in range(count):
         if free[frame] == 0.0:
             continue
         foot, sole = rotations[frame], soles[frame if soles.shape[0] > 1 else 0]
-        fraction = smoothstep(min(max((foot[2, 0] - STEEP_FOOT[1]) / (STEEP_FOOT[0] - STEEP_FOOT[1]), 0.0), 1.0))
+        fraction = smoothstep(
+            min(
+                max((foot[2, 0] - STEEP_FOOT_FORWARD_Z[1]) / (STEEP_FOOT_FORWARD_Z[0] - STEEP_FOOT_FORWARD_Z[1]), 0.0),
+                1.0,
+            )
+        )
         if foot[2, 2] < 0.0:
             continue
-        missing = pitch_for_height(foot, sole, heights[frame] - sole[ANKLE_HEIGHT] - sole[TOE_Z])
+        missing = pitch_for_height(foot, sole, heights[frame] - sole[SOLE_ANKLE_HEIGHT] - sole[TOE_Z])
         level = math.asin(min(max(foot[2, 0], -1.0), 0.0))  # no farther up, or the ball would leave the ground
         pitch = limited_toe_pitch(foot, max(missing - (1.0 - free[frame]) * left_over[frame], level))
         pitch *= fraction if pitch > 0.0 else 1.0
@@ -91,9 +102,10 @@ def lift_heels(soles, states, heights, reach, fade, rotations):
 
 @allocating_kernel
 def stance_pitch_offsets(soles, states, heights, rotations, out_pitches):
-    """Write the pitch error (F,) in radians of the foot where its heel stood last, or stands next, in the same contact.
+    """Write the pitch errors (F,) in radians of the foot at the nearest frame of the same contact in which its heel
+    stands.
 
-    Arguments as in ``lift_heels``.
+    ``soles``, ``states`` and ``heights`` are the arguments of ``lift_heels``.
     """
     count = states.shape[0]
     gaps = np.full(count, math.inf)
@@ -106,7 +118,7 @@ def stance_pitch_offsets(soles, states, heights, rotations, out_pitches):
                 sole = soles[frame if soles.shape[0] > 1 else 0]
                 gap, missing = (
                     0.0,
-                    pitch_for_height(rotations[frame], sole, heights[frame] - sole[ANKLE_HEIGHT] - sole[TOE_Z]),
+                    pitch_for_height(rotations[frame], sole, heights[frame] - sole[SOLE_ANKLE_HEIGHT] - sole[TOE_Z]),
                 )
             if gap < gaps[frame]:
                 gaps[frame], out_pitches[frame] = gap, missing
@@ -114,9 +126,9 @@ def stance_pitch_offsets(soles, states, heights, rotations, out_pitches):
 
 @allocating_kernel
 def rolling_weights(states, reach, out_weights):
-    """Write 0 while the heel stands, rising to 1 within ``reach`` frames, (F,).
+    """Write rolling weights (F,): 0 while the heel stands, rising to 1 within ``reach`` frames.
 
-    Also 0 in the air, and in contacts without any heel: a knee or a lying foot rolls over nothing.
+    Also 0 in the air, and in contacts in which no heel stands: a foot that kneels or lies does not roll.
     """
     release_weights((states & HEEL_STANDS) != 0, reach, out_weights)
     count, begin = states.shape[0], 0
@@ -132,14 +144,16 @@ def rolling_weights(states, reach, out_weights):
 
 @small_kernel
 def limited_toe_pitch(foot, pitch):
-    """``pitch`` in radians, limited softly before the ``foot`` (3, 3) would stand on its tip."""
-    margin = max(STEEPEST_TOE_ROLL + math.asin(min(max(foot[2, 0], -1.0), 1.0)), 1e-3)
+    """``pitch`` in radians, limited softly so that the ``foot`` (3, 3) does not stand on its tip."""
+    margin = max(STEEPEST_ROLL_PITCH + math.asin(min(max(foot[2, 0], -1.0), 1.0)), 1e-3)
     return margin * math.tanh(pitch / margin) if pitch > 0.0 else pitch
 
 
 @kernel
 def pitch_for_height(foot, sole, height):
-    """Pitch in radians, to first order, that raises the ankle of a ``foot`` (3, 3) to ``height`` over the toe."""
+    """Pitch in radians, to first order, that raises the ankle of a ``foot`` (3, 3) to ``height`` metres above the toe
+    joint.
+    """
     level = max(math.hypot(foot[0, 0], foot[1, 0]), 1e-9)
     ahead = 0.0
     for axis in range(2):
@@ -152,10 +166,11 @@ def pitch_for_height(foot, sole, height):
 
 @allocating_kernel
 def find_roll_pitches(soles, states, hips, reaches, ankles, feet, out_pitches):
-    """Write the pitches (F, 2) in radians about heel and ball by which a foot rolls until its leg reaches it.
+    """Write the pitches (F, 2) in radians about heel and ball by which a foot rolls to bring its ankle into the leg's
+    reach.
 
-    ``hips`` (F, 3), ``reaches`` (F,) metres to which the leg extends freely; ``ankles`` (F, 3), ``feet`` (F, 3, 3). In
-    the air they are interpolated.
+    ``hips`` (F, 3); ``reaches`` (F,) metres to which the leg extends freely; ``ankles`` (F, 3), ``feet`` (F, 3, 3). In
+    the air the pitches are interpolated.
     """
     count = states.shape[0]
     offsets = np.empty((2, 3))
@@ -171,16 +186,16 @@ def find_roll_pitches(soles, states, hips, reaches, ankles, feet, out_pitches):
 
 @allocating_kernel
 def roll_feet(soles, states, pitches, reach, ankles, feet):
-    """Roll feet that stand on their balls or heels by ``pitches`` (F, 2) about heel and ball, in place.
+    """Roll standing feet by ``pitches`` (F, 2) in radians about heel and ball, in place.
 
-    ``ankles`` (F, 3), ``feet`` (F, 3, 3); the others as in ``lift_heels``. People raise the heel before they bend the
-    other knee, and land on it with raised toes.
+    ``ankles`` (F, 3), ``feet`` (F, 3, 3); ``reach`` in frames, over which the roll fades in. People raise the heel
+    before they bend the other knee, and land on it with raised toes.
     """
     count = states.shape[0]
     rotations, moves, fractions = np.zeros((count, 3)), np.zeros((count, 3)), np.empty((2, count))
     rotation, offsets = np.empty((3, 3)), np.empty((2, 3))
-    release_weights((states & TOE_STANDS) != 0, ROLL_RELEASE * reach, fractions[0])
-    rolling_weights(states, ROLL_RELEASE * reach, fractions[1])
+    release_weights((states & TOE_STANDS) != 0, ROLL_RELEASE_FRACTION * reach, fractions[0])
+    rolling_weights(states, ROLL_RELEASE_FRACTION * reach, fractions[1])
     for frame in range(count):
         foot, sole = feet[frame], soles[frame if soles.shape[0] > 1 else 0]
         pivot = 0 if states[frame] == HEEL_STANDS else 1
@@ -204,9 +219,10 @@ def roll_feet(soles, states, pitches, reach, ankles, feet):
 
 @kernel
 def pitch_to_reach(foot, offsets, pivot, ankle, hip, reach):
-    """Pitch in radians that keeps the leg's extension within ``reach`` metres, softly.
+    """Pitch in radians of a foot that keeps the distance from ankle to hip within ``reach`` metres, softly.
 
-    ``offsets`` (2, 3) from the ``ankle`` (3,) to the heel, ``pivot`` 0, over which it rolls back, and to the ball, 1.
+    ``offsets`` (2, 3) from the ``ankle`` (3,) to both pivots: with ``pivot`` 0 the foot rolls back over the heel, with
+    1 over the ball.
     """
     level = max(math.hypot(foot[0, 0], foot[1, 0]), 1e-9)
     left_x, left_y = -foot[1, 0] / level, foot[0, 0] / level

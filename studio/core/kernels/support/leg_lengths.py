@@ -6,13 +6,13 @@ from studio.core.kernels.algebra.vectors import distance, offset_between
 from studio.core.kernels.compiling import kernel
 
 HORIZONTAL_COST = 0.2
-"""Cost of a horizontal metre of the body, relative to a vertical metre or a metre of a standing leg's length, squared.
-Knees show gradually what hips hide, which move 1 cm sideways for 5 mm of a leg. Half as much gives straight knees of
-high ankles an acceleration peak.
+"""Squared cost of a horizontal metre of the body, relative to a vertical metre or to a metre of a standing leg's
+length. Knees show a change of length gradually, which hips hide: they move 1 cm sideways for 5 mm of a leg. Half of
+this gives straight knees of high ankles an acceleration peak.
 """
 VISIBLE_BEND, STRAIGHT_KNEE_COST = 0.1, 5
-"""Squared sine of half the bend of a knee whose leg's metre costs 1, and the cost of that of a straight knee, which
-shows a missing length many times over.
+"""Squared sine of half the bend of a knee at which a metre of the leg's length costs 1, and the cost for a straight
+knee, which shows a lack of length many times over.
 """
 
 
@@ -20,8 +20,9 @@ shows a missing length many times over.
 def keep_leg_lengths(off, weights, hips, positions, displacement):
     """Correct the ``displacement`` (F, 3) of a body, in place, so that legs that stand flat keep their lengths.
 
-    Feet stand ``off`` (2, F, 3) their ``positions`` (F, P, 3); ``hips`` are the rows of both hips there, with the
-    ankles two rows below. ``weights`` (F, 3): the left leg's fraction of the body, and the flatness of each foot.
+    ``off`` (2, F, 3) are the displacements of the feet from their ``positions`` (F, P, 3); ``hips`` are the indices of
+    both hip points, with the ankles two points later. ``weights`` (F, 3): the left leg's fraction of the body's weight,
+    and the flatness of each foot.
     """
     for frame in range(displacement.shape[0]):
         fraction = min(max(weights[frame, 0], 0.0), 1.0)
@@ -51,8 +52,9 @@ def _cost_product(a, b):
 
 @kernel
 def _weighted_length_error(side, off, weight, hip, positions, displacement, frame):
-    """A leg's direction, halfway to its target, and its excess length in metres, times the root of its weight: the
-    standing ``weight`` times the cost of its knee.
+    """Weighted direction (3) of one leg, halfway to its target, and its weighted excess length in metres, four numbers.
+
+    Both are multiplied by the root of the leg's weight: the standing ``weight`` times the cost of its knee.
     """
     points = positions[frame]
     x, y, z = offset_between(displacement[frame], off[side, frame])

@@ -1,19 +1,20 @@
-"""Pelvic obliquity, in place, under an upright trunk (METHOD section 4)."""
+"""Pelvic obliquity under an upright trunk (METHOD section 4)."""
 
 import math
 
 from studio.core.kernels.compiling import kernel, small_kernel
 
 LEG_JOINTS = 5
-"""Joints of one leg: hip, knee, ankle, ball and tip of the toes."""
+"""Number of joints of one leg: hip, knee, ankle, ball and tip of the toes."""
 
 
 @kernel
 def tilt_pelvis(hips, apart, most, positions, rotations, out_moved):
-    """Tilt each frame's pelvis so that its left hip rises relative to its right by ``apart`` (F,) metres, below
-    ``most`` radians; trunk, arms and legs translate along.
+    """Tilt each frame's pelvis, in place, so that its left hip rises relative to its right one by ``apart`` (F,)
+    metres.
 
-    ``hips`` are the rows of both in ``positions`` (F, P, 3); the legs come last. ``rotations`` (F, S, 3, 3); writes the
+    The tilt stays below ``most`` radians; trunk, arms and legs translate along. ``hips`` are the indices of both hip
+    points in ``positions`` (F, P, 3), of which the legs are the last; ``rotations`` (F, S, 3, 3). Writes the
     displacements of the hips, (2, F, 3).
     """
     left, right = hips
@@ -37,7 +38,10 @@ def tilt_pelvis(hips, apart, most, positions, rotations, out_moved):
 
 @kernel
 def _rotate_pelvis_points(about, hips, points, out_moved):
-    """Move the ``points`` (P, 3) of a body with a tilting pelvis; writes the displacements (2, 3) of its hips."""
+    """Move the ``points`` (P, 3) of a body with its tilting pelvis; writes the displacements (2, 3) of its hips.
+
+    ``about`` has the x and y of the level axis, and cosine and sine of the angle.
+    """
     root = points[0]
     for side in range(2):
         hip = points[hips[side]]
@@ -58,7 +62,9 @@ def _rotate_pelvis_points(about, hips, points, out_moved):
 
 @small_kernel
 def _rotate_about_level_axis(about, x, y, z):
-    """Vector rotated about a level axis: the axis' x and y, the angle's cosine and sine."""
+    """Vector (x, y, z) rotated about a level axis; ``about`` has the axis' x and y, and cosine and sine of the
+    angle.
+    """
     axis_x, axis_y, cosine, sine = about
     along = (1.0 - cosine) * (axis_x * x + axis_y * y)
     return (

@@ -1,7 +1,8 @@
 """One foot at one frame: positions of heel, ball and tip of its sole, and its heading.
 
-States of a foot: bit 1 the heel stands, bit 2 the toe stands. A ``sole`` (6,) has the measures of a foot, by ``TOE_X``
-and so on.
+``rotation`` and ``foot`` (3, 3) are world rotations with x forward, y left and z up. The state of a foot is a bit mask
+of ``HEEL_STANDS`` and ``TOE_STANDS``. A ``sole`` (6,) has the measures of a foot in metres, in the columns ``TOE_X`` to
+``TOE_LENGTH``.
 """
 
 import math
@@ -9,31 +10,43 @@ import math
 from studio.core.kernels.algebra.smooth_steps import smoothstep
 from studio.core.kernels.compiling import kernel, small_kernel
 
-TOE_X, TOE_Y, TOE_Z, ANKLE_HEIGHT, SOLE_HEEL_LENGTH, TOE_LENGTH = range(6)
-"""The numbers of a ``sole``: ankle to toe joint in foot axes, ankle above the sole, heel behind the ankle, toe."""
+TOE_X, TOE_Y, TOE_Z, SOLE_ANKLE_HEIGHT, SOLE_HEEL_LENGTH, TOE_LENGTH = range(6)
+"""Columns of a ``sole``: vector from ankle to toe joint in the foot's axes, height of the ankle above the sole,
+horizontal distance of the heel behind the ankle, length of the toe.
+"""
 HEEL_PAD_FRACTION = 0.6
-"""Distance from the heel's edge to the middle of its pad, about which a foot turns, as a fraction of the heel's length:
-in 36 captured turns of 13 to 153 degrees the ankle is 2.3 cm ahead of the point that moves least (median).
+"""Distance from the heel's edge to the middle of its pad, as a fraction of the heel's length. A foot rotates about its
+pad: in 36 captured turns of 13 to 153 degrees the ankle is 2.3 cm ahead of the point that moves least (median).
 """
 HEEL_STANDS = 1
 TOE_STANDS = 2
 SOLE_STANDS = 3
-LYING_ASIDE = 0.35
-"""Vertical component of a foot's left axis from which it begins to lie on its side, completely at twice that."""
-SOLE_DOWN = 0.5
-"""Vertical component of its upward axis from which it stands on its sole."""
+"""Bits of a foot's state: the heel stands, the toe stands; both for a foot that stands on its sole."""
+LYING_LEFT_AXIS_Z = 0.35
+"""Vertical component of a foot's left axis from which the foot begins to lie on its side; from twice this on it does
+completely.
+"""
+STANDING_UP_AXIS_Z = 0.5
+"""Vertical component of a foot's upward axis from which the foot stands on its sole."""
 
 
 @kernel
 def ball_above_heel(rotation, sole):
     """Height in metres of the ball's sole above the heel's; 0 for a level foot."""
     ball = rotation[2, 0] * sole[TOE_X] + rotation[2, 1] * sole[TOE_Y] + rotation[2, 2] * sole[TOE_Z] - sole[TOE_Z]
-    return ball - sole[ANKLE_HEIGHT] + rotation[2, 0] * sole[SOLE_HEEL_LENGTH] + rotation[2, 2] * sole[ANKLE_HEIGHT]
+    return (
+        ball
+        - sole[SOLE_ANKLE_HEIGHT]
+        + rotation[2, 0] * sole[SOLE_HEEL_LENGTH]
+        + rotation[2, 2] * sole[SOLE_ANKLE_HEIGHT]
+    )
 
 
 @kernel
 def set_heading(matrix, along, across):
-    """Write the level rotation (3, 3) whose x axis has the horizontal direction (along, across)."""
+    """Write the level rotation (3, 3) whose x axis has the horizontal direction (``along``, ``across``) into
+    ``matrix``.
+    """
     length = math.sqrt(along * along + across * across)
     c, s = (along / length, across / length) if length > 1e-9 else (1.0, 0.0)
     matrix[0, 0], matrix[0, 1], matrix[0, 2] = c, -s, 0.0
@@ -43,9 +56,9 @@ def set_heading(matrix, along, across):
 
 @kernel
 def lying_aside(rotation):
-    """Fraction to which a foot or toe (3, 3) lies on its side: 0 with its sole down at any pitch, 1 on its side."""
-    rolled = smoothstep(min(max(abs(rotation[2, 1]) / LYING_ASIDE - 1.0, 0.0), 1.0))
-    return rolled * smoothstep(min(max((SOLE_DOWN - rotation[2, 2]) / LYING_ASIDE, 0.0), 1.0))
+    """Fraction to which a foot or toe (3, 3) lies on its side: 0 with its sole down, at any pitch, 1 on its side."""
+    rolled = smoothstep(min(max(abs(rotation[2, 1]) / LYING_LEFT_AXIS_Z - 1.0, 0.0), 1.0))
+    return rolled * smoothstep(min(max((STANDING_UP_AXIS_Z - rotation[2, 2]) / LYING_LEFT_AXIS_Z, 0.0), 1.0))
 
 
 @kernel
@@ -56,9 +69,9 @@ def sole_down_fraction(rotation):
 
 @small_kernel
 def toe_heading(foot):
-    """Horizontal heading (along, across), of any length, of a standing toe: that of the foot, across its left axis.
+    """Horizontal heading (x, y), of any length, of a standing toe from the rotation of its ``foot`` (3, 3).
 
-    It does not reverse where a steep foot, on tucked toes, passes straight down.
+    It does not reverse where a steep foot, on tucked toes, passes the vertical.
     """
     ahead = 1.0 + foot[2, 2]
     return ahead * foot[0, 0] - foot[2, 0] * foot[0, 2], ahead * foot[1, 0] - foot[2, 0] * foot[1, 2]
@@ -66,7 +79,9 @@ def toe_heading(foot):
 
 @kernel
 def point_down(matrix, pitch):
-    """Rotate a level rotation (3, 3), in place, about its left axis until its x axis points down by ``pitch``."""
+    """Rotate a level rotation (3, 3), in place, about its left axis until its x axis points down by ``pitch``
+    radians.
+    """
     if pitch != 0.0:
         c, s = math.cos(pitch), math.sin(pitch)
         for axis in range(3):
@@ -85,18 +100,16 @@ def toe_offset(rotation, sole, out_offset):
 
 @kernel
 def pivot_offsets(rotation, sole, out_offsets):
-    """Write the vectors (2, 3) from the ankle to the pivots of a foot in the world: the heel's lower edge, the toe
-    joint.
-    """
+    """Write the world vectors (2, 3) from the ankle to the lower edge of the heel and to the toe joint."""
     for axis in range(3):
-        out_offsets[0, axis] = -rotation[axis, 0] * sole[SOLE_HEEL_LENGTH] - rotation[axis, 2] * sole[ANKLE_HEIGHT]
+        out_offsets[0, axis] = -rotation[axis, 0] * sole[SOLE_HEEL_LENGTH] - rotation[axis, 2] * sole[SOLE_ANKLE_HEIGHT]
     toe_offset(rotation, sole, out_offsets[1])
 
 
 @kernel
 def stance_offsets(rotation, sole, out_offsets):
-    """Write the vectors (2, 3) of ``pivot_offsets``, with the heel's on its pad: ahead of its edge, at the edge's
-    height.
+    """Write the world vectors (2, 3) from the ankle to the heel's pad, at the height of its lower edge, and to the toe
+    joint.
     """
     pivot_offsets(rotation, sole, out_offsets)
     ahead = HEEL_PAD_FRACTION * sole[SOLE_HEEL_LENGTH] / max(math.hypot(rotation[0, 0], rotation[1, 0]), 1e-9)
@@ -106,17 +119,19 @@ def stance_offsets(rotation, sole, out_offsets):
 
 @small_kernel
 def tip_rise(sole, pitch):
-    """Height in metres that the ball gains over a flat foot when the toe points down by ``pitch`` radians."""
-    return sole[TOE_LENGTH] * math.sin(pitch) - (sole[ANKLE_HEIGHT] + sole[TOE_Z]) * (1.0 - math.cos(pitch))
+    """Height in metres by which the ball is above its height in a flat foot when the toe points down by ``pitch``
+    radians.
+    """
+    return sole[TOE_LENGTH] * math.sin(pitch) - (sole[SOLE_ANKLE_HEIGHT] + sole[TOE_Z]) * (1.0 - math.cos(pitch))
 
 
 @kernel
 def tip_offset(rotation, sole, pitch, offsets):
-    """``tip_rise`` of a foot; writes the vector from the ankle to the tip into the last of ``offsets`` (3, 3).
+    """Write the world vector from the ankle to the tip of the toe into ``offsets[2]``; returns ``tip_rise``.
 
-    The other offsets are from ``stance_offsets``.
+    ``offsets`` (3, 3) begin with the vectors of ``stance_offsets``.
     """
-    length, thick = sole[TOE_LENGTH], sole[ANKLE_HEIGHT] + sole[TOE_Z]
+    length, thick = sole[TOE_LENGTH], sole[SOLE_ANKLE_HEIGHT] + sole[TOE_Z]
     c, s = math.cos(pitch), math.sin(pitch)
     along, across = toe_heading(rotation)
     ahead = (length * c - thick * s) / max(math.sqrt(along * along + across * across), 1e-9)
@@ -129,10 +144,10 @@ def tip_offset(rotation, sole, pitch, offsets):
 
 @kernel
 def sole_height(rotation, toe_drop, sole):
-    """Height of the ankle at which the lower of heel and ball touches the ground.
+    """Height in metres of the ankle above the ground at which the lower one of heel and ball touches the ground.
 
-    ``toe_drop`` is the z of the vector ankle to toe in the world.
+    ``toe_drop`` is the vertical component of the vector from ankle to toe joint.
     """
-    heel = rotation[2, 0] * sole[SOLE_HEEL_LENGTH] + rotation[2, 2] * sole[ANKLE_HEIGHT]
-    ball = sole[ANKLE_HEIGHT] + sole[TOE_Z] - toe_drop
+    heel = rotation[2, 0] * sole[SOLE_HEEL_LENGTH] + rotation[2, 2] * sole[SOLE_ANKLE_HEIGHT]
+    ball = sole[SOLE_ANKLE_HEIGHT] + sole[TOE_Z] - toe_drop
     return max(heel, ball)

@@ -13,22 +13,22 @@ class TriangleGrid(NamedTuple):
     corners: Array
     """(T, 3, 3) metres."""
     starts: Array
-    """Over cell c = i * columns + j lie ``members[starts[c] : starts[c + 1]]``."""
+    """(rows * columns + 1,) first index in ``members`` of each cell c = i * columns + j, and the number of members."""
     members: Array
-    """Triangles over cell c = i * columns + j are ``members[starts[c] : starts[c + 1]]``."""
+    """Indices of the triangles over each cell c: ``members[starts[c] : starts[c + 1]]``."""
     origin: Array
-    """(2,) metres."""
+    """(2,) position of the first cell's corner, metres."""
     size: float
-    """Metres of a cell."""
+    """Edge of a square cell, metres."""
     rows: int
     columns: int
 
 
 @kernel
 def highest_triangles(xy, grid, out_heights, out_slopes, out_found):
-    """Write height (N,) and slope (N, 2) of the highest triangle over each position (N, 2), by a vertical ray.
+    """Write height (N,), slope (N, 2) and presence (N,) of the highest triangle over each position ``xy`` (N, 2).
 
-    Positions without a triangle keep their values.
+    Heights and slopes of positions without a triangle are not changed.
     """
     corners, starts, members, origin, size, rows, columns = grid
     for n in range(xy.shape[0]):

@@ -1,1 +1,1 @@
-"""Tasks: their targets, residuals and Jacobian rows."""
+"""Tasks of the solver: their records, goals, residuals and Jacobian rows."""

@@ -1,4 +1,7 @@
-"""Restricted areas: the nearest allowed position of a point (METHOD 7, "area")."""
+"""Shapes of restricted areas, and the nearest allowed position of a point (METHOD 7, "area").
+
+An ``area`` is a row of numbers with the columns ``AREA_SHAPE`` to ``AREA_ROTATION``.
+"""
 
 import math
 
@@ -9,33 +12,34 @@ from studio.core.kernels.tasks.goals import end_position, interpolate_point
 from studio.core.kernels.tasks.mesh_distance_field import nearest_allowed_in_field, nearest_beyond_margin
 
 HALF_SPACE_SHAPE, BOX_SHAPE, SPHERE_SHAPE, CYLINDER_SHAPE, TABLE_SHAPE, MESH_SHAPE, LINE_SHAPE = range(7)
-"""Shapes of an area."""
+"""Values of column ``AREA_SHAPE``."""
 OUTSIDE_AREA, INSIDE_AREA, ON_AREA_SURFACE = 0, 1, 2
-"""Allowed side of the point."""
+"""Values of column ``AREA_SIDE``, the side of the shape on which a point is allowed."""
 (
     AREA_SHAPE, AREA_SIDE, CENTRE_X, CENTRE_Y, CENTRE_Z, SIZE_X, SIZE_Y, SIZE_Z, AREA_MARGIN, AREA_ROTATION,
 ) = range(10)  # fmt: skip
-"""Columns of an area; its rotation (3, 3) is the last, row by row. The size of a half-space is its normal, that of a
-line half of its extent, both as vectors. The margin is the distance in metres that a point outside keeps.
+"""Columns of an area; the last is the first of nine with its rotation (3, 3), row by row. The size of a half-space is
+its normal, that of a line half of its extent, both as vectors; other sizes are extents in metres. The margin is the
+distance in metres from the shape that a point outside keeps.
 """
 AREA_NUMBERS = AREA_ROTATION + 9
-"""Number of these columns; the field of a mesh follows (``kernels.tasks.mesh_distance_field``), in the area's own
-space.
+"""Number of columns of an area. The distance field of a mesh follows them, in the area's own space
+(``kernels.tasks.mesh_distance_field``).
 """
 
-TABLE_EDGE = 0.1
+TABLE_EDGE_WIDTH = 0.1
 """Distance in metres from a table's edge within which its outward direction turns sideways, so that a hand from the
-side does not pop, and from its lower face within which it turns back down.
+side does not pop, and from its lower face within which the direction turns downwards.
 """
 MARGIN_BISECTIONS = 32
-"""Halvings of a way on which the end of a margin is found."""
-AREA_ENGAGED = 1e-6
-"""Penetration in metres from which an area is engaged."""
+"""Number of bisections of a path by which the end of a margin is found."""
+AREA_ENGAGED_DEPTH = 1e-6
+"""Depth in metres of a point in an area from which its task is engaged."""
 
 
 @kernel
 def set_area_pose(row, area, centre, rotation):
-    """Set centre and rotation of an ``area`` at this frame."""
+    """Set the position and rotation of an ``area``, and the activation of its task ``row``, at this frame."""
     row.goal_distance = row.activation
     copy_matrix(rotation, row.goal_rotation)
     place_area(area, centre, row.goal_rotation)
@@ -43,7 +47,9 @@ def set_area_pose(row, area, centre, rotation):
 
 @kernel
 def follow_area(row, area, pose):
-    """Move an ``area`` to the point of the own body that it follows, rotated by the heading of its segment."""
+    """Move an ``area`` with the point of the own body that its task follows, and rotate it by the heading of that
+    point's segment.
+    """
     rotation = compose(rotation_from_matrix(pose.rotations[row.segments[1]]), rotation_from_matrix(row.relative))
     c, s = rotation[0] + rotation[4], rotation[3] - rotation[1]
     size = max(math.sqrt(c * c + s * s), 1e-9)
@@ -55,10 +61,13 @@ def follow_area(row, area, pose):
 
 @kernel
 def activate_area(row, area, pose):
-    """Engage a task whose point is in its area, with the nearest allowed position as its goal; True if it is."""
+    """Engage a task whose point is in its ``area``; True if it is.
+
+    The goal becomes the nearest allowed position, or a fraction of the way to it, by activation.
+    """
     point = end_position(row, 0, pose)
     depth, position = nearest_allowed_point(area, point)
-    if depth > AREA_ENGAGED:
+    if depth > AREA_ENGAGED_DEPTH:
         row.engaged = 1
         copy_point(interpolate_point(point, position, row.goal_distance), row.goal_positions[0])
         return True
@@ -67,13 +76,15 @@ def activate_area(row, area, pose):
 
 @kernel
 def area_residual(row, area, pose):
-    """Distance in metres from its point to the nearest allowed position, which may differ from the goal."""
+    """Distance in metres, times the activation, from the task's point to the nearest allowed position, which may differ
+    from its goal.
+    """
     return row.goal_distance * nearest_allowed_point(area, end_position(row, 0, pose))[0]
 
 
 @kernel
 def place_area(area, centre, rotation):
-    """Move an area to ``centre`` (3,), rotated by ``rotation`` (3, 3); a centre of NaN leaves it.
+    """Move an area to ``centre`` (3,) with ``rotation`` (3, 3); nothing moves if the centre is NaN.
 
     The normal of a half-space and the direction of a line are the first column of their rotation.
     """
@@ -93,7 +104,9 @@ def place_area(area, centre, rotation):
 
 @kernel
 def nearest_allowed_point(area, point):
-    """(distance in metres, (x, y, z)) of the nearest allowed position, 0 if ``point`` (3,) is allowed itself."""
+    """(distance in metres, (x, y, z)): the nearest allowed position and its distance, 0 if ``point`` (3,) is
+    allowed.
+    """
     dx, dy, dz = point[0] - area[CENTRE_X], point[1] - area[CENTRE_Y], point[2] - area[CENTRE_Z]
     turn = area[AREA_ROTATION:]
     x, y, z = (
@@ -121,7 +134,9 @@ def nearest_allowed_point(area, point):
 
 @kernel
 def nearest_on_shape(area, x, y, z, inside):
-    """Nearest position on the allowed side of a shape, in the area's own space; outside, beyond its margin."""
+    """Nearest position to (x, y, z) on the allowed side of a shape, in the area's own space; outside, beyond its
+    margin.
+    """
     shape, margin = int(area[AREA_SHAPE]), area[AREA_MARGIN]
     if shape == HALF_SPACE_SHAPE:
         return nearest_on_half_space(area, x, y, z, inside)
@@ -161,7 +176,7 @@ def fraction_to_margin(area, x, y, z, nx, ny, nz):
 
 @kernel
 def distance_to_shape(area, x, y, z):
-    """Distance in metres to a box, a table or a cylinder along z about 0; 0 inside."""
+    """Distance in metres of (x, y, z) from a box, a table, or a cylinder along z, centred at the origin; 0 inside."""
     a, b, h = 0.5 * area[SIZE_X], 0.5 * area[SIZE_Y], 0.5 * area[SIZE_Z]
     if int(area[AREA_SHAPE]) == CYLINDER_SHAPE:
         level = max(math.sqrt(x * x + y * y) - a, 0.0)
@@ -172,7 +187,9 @@ def distance_to_shape(area, x, y, z):
 
 @kernel
 def nearest_on_half_space(area, x, y, z, inside):
-    """Nearest position on the allowed side of the plane through 0 with the normal of an area, beyond its margin."""
+    """Nearest position to (x, y, z) on the allowed side of the plane through the origin with an area's normal, beyond
+    its margin.
+    """
     nx, ny, nz = area[SIZE_X], area[SIZE_Y], area[SIZE_Z]
     length = math.sqrt(nx * nx + ny * ny + nz * nz)
     nx, ny, nz = nx / length, ny / length, nz / length
@@ -185,14 +202,14 @@ def nearest_on_half_space(area, x, y, z, inside):
 
 @kernel
 def nearest_on_line(x, y, z, a, b, h):
-    """Nearest position on the line from (-a, -b, -h) to (a, b, h)."""
+    """Nearest position to (x, y, z) on the line from (-a, -b, -h) to (a, b, h)."""
     fraction = min(max((x * a + y * b + z * h) / (a * a + b * b + h * h), -1.0), 1.0)
     return fraction * a, fraction * b, fraction * h
 
 
 @kernel
 def nearest_on_sphere(x, y, z, radius, inside):
-    """Nearest position inside, or outside, a sphere about 0; from its centre, upwards."""
+    """Nearest position to (x, y, z) inside, or outside, a sphere about the origin; from its centre straight up."""
     length = math.sqrt(x * x + y * y + z * z)
     if (length > radius) if inside else (length < radius):
         if length < 1e-9:
@@ -203,7 +220,9 @@ def nearest_on_sphere(x, y, z, radius, inside):
 
 @kernel
 def nearest_on_cylinder(x, y, z, radius, half, inside):
-    """Nearest position inside, or outside, a cylinder along z about 0."""
+    """Nearest position to (x, y, z) inside, or outside, a cylinder along z about the origin, of half height
+    ``half``.
+    """
     length = math.sqrt(x * x + y * y)
     if inside:
         scale = min(1.0, radius / max(length, 1e-9))
@@ -218,12 +237,16 @@ def nearest_on_cylinder(x, y, z, radius, half, inside):
 
 @kernel
 def nearest_on_box(x, y, z, a, b, h, inside, upwards):
-    """Nearest position inside, or outside, a box about 0; out of a table upwards, fading at edges and below."""
+    """Nearest position to (x, y, z) inside, or outside, a box about the origin with half extents (a, b, h).
+
+    With ``upwards`` the box is a table: points leave it upwards, sideways near its edges, downwards near its lower
+    face.
+    """
     if inside:
         return min(max(x, -a), a), min(max(y, -b), b), min(max(z, -h), h)
     if abs(x) >= a or abs(y) >= b or abs(z) >= h:
         return x, y, z
-    if upwards and h + z > min(TABLE_EDGE, h):
+    if upwards and h + z > min(TABLE_EDGE_WIDTH, h):
         return nearest_on_table(x, y, z, a, b, h)
     left, right, over = a - abs(x), b - abs(y), h - abs(z)
     if left <= right and left <= over:
@@ -235,13 +258,14 @@ def nearest_on_box(x, y, z, a, b, h, inside, upwards):
 
 @kernel
 def nearest_on_table(x, y, z, a, b, h):
-    """Position to which a point inside a table is pushed: up in the middle, increasingly outwards near the edges.
+    """Position to which a point (x, y, z) inside a table is pushed: up in the middle, increasingly outwards near the
+    edges.
 
-    It is continuous inside, and at the top and sides, where a point stays.
+    The result is continuous inside, and equals the point at the top and the sides.
     """
-    edge = min(TABLE_EDGE, a, b)
+    edge = min(TABLE_EDGE_WIDTH, a, b)
     inner_x, inner_y = min(max(x, edge - a), a - edge), min(max(y, edge - b), b - edge)
-    below = max(z - TABLE_EDGE, -h)
+    below = max(z - TABLE_EDGE_WIDTH, -h)
     out_x, out_y, up = x - inner_x, y - inner_y, z - below
     far = (h - below) / up
     if out_x != 0.0:

@@ -1,4 +1,4 @@
-"""Balance: the centre of mass, its goal and its Jacobian (METHOD 11)."""
+"""Balance tasks: the centre of mass, its goal and its Jacobian (METHOD 11)."""
 
 import math
 
@@ -19,17 +19,18 @@ from studio.core.kernels.search.joints import ROOT_TRANSLATION
 from studio.core.kernels.tasks.goals import end_position, interpolate_point
 
 KNEE_OFFSET = 0.3
-"""Least offset of a knee from its leg's line, as a fraction of the leg's length: a straight knee would
-shoot forward.
+"""Least offset of a knee from the line hip-ankle assumed in the Jacobian, as a fraction of the leg's length: a straight
+knee would shoot forward.
 """
 ARM_MEETS_GOAL = 0.005
-"""Metres short of its goal from which an arm counts as meeting it."""
+"""Distance in metres of an arm from its goal below which the arm counts as meeting it."""
 
 
 @kernel
 def set_balance_goal(row, target, mass_fractions, start):
-    """Set the goal by activation between the centre of mass in ``start`` and the ``target``; axes that are NaN in the
-    target are unconstrained.
+    """Set the goal of a balance task between the centre of mass in ``start`` and its ``target``, by activation.
+
+    Axes in which the target is NaN are unconstrained.
     """
     copy_point(centre_of_mass(mass_fractions, start.positions), row.start_position)
     for axis in range(3):
@@ -39,14 +40,14 @@ def set_balance_goal(row, target, mass_fractions, start):
 
 @kernel
 def follow_balance(row, pose):
-    """Set the goal from the point of the own body that it follows."""
+    """Set the goal of a balance task from the point of the own body that it follows."""
     copy_point(interpolate_point(row.start_position, end_position(row, 1, pose), row.activation), row.goal_positions[0])
     copy_point(row.goal_positions[0], row.goal_positions[1])
 
 
 @kernel
 def balance_residual(row, mass_fractions, pose):
-    """Distance in metres from the centre of mass to its goal, horizontal unless heights count too."""
+    """Distance in metres from the centre of mass to the goal of a balance task; horizontal unless its height counts."""
     return length_in_axes(
         offset_between(row.goal_positions[0], centre_of_mass(mass_fractions, pose.positions)), row.axes
     )
@@ -54,7 +55,7 @@ def balance_residual(row, mass_fractions, pose):
 
 @kernel
 def pin_balance(row, mass_fractions, pose):
-    """Set the goal to the centre of mass in ``pose``."""
+    """Set the goal of a balance task to the centre of mass in ``pose``."""
     copy_point(centre_of_mass(mass_fractions, pose.positions), row.goal_positions[0])
     copy_point(row.goal_positions[0], row.goal_positions[1])
 
@@ -71,11 +72,10 @@ def centre_of_mass(mass_fractions, positions):
 
 @kernel
 def accumulate_masses(masses, positions, out_sums):
-    """Write the prefix sums (S + 1, 4) of moments and masses; the difference of two rows is that of the segments
-    between.
+    """Write the prefix sums (S + 1, 4) of first moments (3) and masses over the segments.
 
-    ``masses`` (S, 2): fraction of the body's mass, position along the segment. The last row is the centre of mass, and
-    1.
+    ``masses`` (S, 2): fraction of the body's mass, position of the centre along the segment. The difference of two rows
+    is the moment and mass of the segments between; the last row is the centre of mass, and 1.
     """
     count = masses.shape[0]
     out_sums[0, 0] = out_sums[0, 1] = out_sums[0, 2] = out_sums[0, 3] = 0.0
@@ -87,7 +87,7 @@ def accumulate_masses(masses, positions, out_sums):
 
 @small_kernel
 def add_masses(first, past, point, masses, positions, out_sums):
-    """Add moments and masses of a row of segments, the first of which begins at ``point``, to ``out_sums``."""
+    """Add moments and masses of consecutive segments to ``out_sums``; the first segment begins at ``point``."""
     x, y, z, whole = out_sums[first, 0], out_sums[first, 1], out_sums[first, 2], out_sums[first, 3]
     for number in range(past - first):
         segment = np.uint64(first + number)
@@ -105,11 +105,11 @@ def add_masses(first, past, point, masses, positions, out_sums):
 
 @kernel
 def write_balance_jacobian(axes, masses, sums, joints, positions, rows):
-    """Write the Jacobian m (c - o) x v of the centre of mass along ``axes`` (2 or 3) world axes into ``rows`` (axes, N,
-    3).
+    """Write the Jacobian m (c - o) x v of the centre of mass along the first ``axes`` (2 or 3) world axes into ``rows``
+    (axes, N, 3).
 
-    ``sums`` from ``accumulate_masses``. Ankles stay fixed, so legs respond to the root's travel by
-    ``add_leg_jacobian``; they do not respond to the pelvis' rotation.
+    ``sums`` is the result of ``accumulate_masses``. Ankles stay fixed, so that legs follow the root's displacement by
+    ``add_leg_jacobian``; they do not follow the pelvis' rotation.
     """
     spine_count = positions.shape[0] - POINTS_BESIDE_SPINE
     for joint in range(joints.shape[0]):
@@ -136,7 +136,7 @@ def write_balance_jacobian(axes, masses, sums, joints, positions, rows):
 
 @kernel
 def add_leg_jacobian(side, axes, least_bend, masses, positions, out_levers):
-    """Add the derivative (axes, 3) of a leg's moment by its hip's travel, with a fixed ankle.
+    """Add the derivative (axes, 3) of a leg's moment by its hip's displacement, with a fixed ankle, to ``out_levers``.
 
     The knee moves by J u, J^T v = (1 - z/d) (v - (n.v) n) + (z/d) (n.v) n + (z/r^2) (1 - z/d) (e.v) n + (n.v) e / d for
     the unit n to the ankle, d away, and the knee z along it and off it by e, r long. METHOD (35).
@@ -172,12 +172,12 @@ def add_leg_jacobian(side, axes, least_bend, masses, positions, out_levers):
 
 @kernel
 def add_arm_jacobian(side, axes, goal, reach, sums, joints, positions, rows):
-    """Correct ``write_balance_jacobian`` for an arm that aims at a ``goal`` (3,) which it would meet at ``reach``
-    metres.
+    """Correct the Jacobian of ``write_balance_jacobian`` for an arm that aims at a ``goal`` (3,), which it would meet
+    at ``reach`` metres.
 
-    Its mass, at a fraction f of the l metres to the wrist, does not move with its shoulder's displacement u: it moves
-    by (1 - f l / d) u across the direction to a goal d away, and along it by u, or by (1 - f) u where the goal is met.
-    METHOD (34).
+    The arm's mass, at a fraction f of the l metres to the wrist, does not move with its shoulder's displacement u: it
+    moves by (1 - f l / d) u across the direction to a goal d away, and along it by u, or by (1 - f) u where the goal is
+    met. METHOD (34).
     """
     spine_count = positions.shape[0] - POINTS_BESIDE_SPINE
     upper, root = (
@@ -217,11 +217,11 @@ def add_arm_jacobian(side, axes, goal, reach, sums, joints, positions, rows):
 
 @small_kernel
 def write_components(row, x, y, z):
-    """Write the derivative (3,) by one joint."""
+    """Write the derivative (x, y, z) by one joint into ``row`` (3,)."""
     row[0], row[1], row[2] = x, y, z
 
 
 @small_kernel
 def add_components(row, x, y, z):
-    """Add to the derivative (3,) by one joint."""
+    """Add (x, y, z) to the derivative by one joint, ``row`` (3,)."""
     row[0], row[1], row[2] = row[0] + x, row[1] + y, row[2] + z

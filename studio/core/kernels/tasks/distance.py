@@ -1,4 +1,4 @@
-"""Distance tasks: two points of the body, or one and a fixed position."""
+"""Distance tasks: between two points of the body, or between one and a fixed position."""
 
 import math
 
@@ -9,7 +9,7 @@ from studio.core.kernels.tasks.goals import end_position
 
 @kernel
 def second_end_position(row, pose):
-    """Present position (x, y, z) of the other end of a distance: on the body, or the fixed position."""
+    """Present position (x, y, z) of the second end of a distance task: a point of the body, or the fixed position."""
     if row.points[1] >= 0:
         return end_position(row, 1, pose)
     return row.goal_positions[1, 0], row.goal_positions[1, 1], row.goal_positions[1, 2]
@@ -17,13 +17,15 @@ def second_end_position(row, pose):
 
 @kernel
 def length_between(row, pose):
-    """Distance in metres between its ends."""
+    """Present distance in metres between both ends of a distance task."""
     return distance(end_position(row, 0, pose), second_end_position(row, pose))
 
 
 @kernel
 def set_distance_goal(row, target, goal, start):
-    """Set the goal between the distance in ``start`` and the target distance ``goal``, by activation."""
+    """Set the goal of a distance task between the distance in ``start`` and the target distance ``goal``, by
+    activation.
+    """
     copy_point(target, row.goal_positions[1])
     now = length_between(row, start)
     row.goal_distance = now + row.activation * (goal - now)
@@ -31,7 +33,7 @@ def set_distance_goal(row, target, goal, start):
 
 @kernel
 def follow_distance(row, pose):
-    """Set the goal positions of both ends for the present pose."""
+    """Set the goal positions of both ends of a distance task for the present pose."""
     write_end_goals(
         end_position(row, 0, pose),
         second_end_position(row, pose),
@@ -43,8 +45,8 @@ def follow_distance(row, pose):
 
 @kernel
 def write_end_goals(first, second, distance, fractions, out_goals):
-    """Write goals (2, 3) of two points whose distance becomes ``distance``, displaced along their line by their
-    fractions.
+    """Write goals (2, 3) of two points, displaced along their line by ``fractions`` (2,) of the correction to
+    ``distance`` metres.
 
     The form without a unit direction permits a zero distance (METHOD 7, (13)).
     """
@@ -65,5 +67,5 @@ def write_end_goals(first, second, distance, fractions, out_goals):
 
 @kernel
 def distance_residual(row, pose):
-    """Difference in metres between the distance of its ends and the goal."""
+    """Absolute difference in metres between the present distance and the goal of a distance task."""
     return abs(length_between(row, pose) - row.goal_distance)

@@ -11,20 +11,20 @@ BALANCE_TASK = 3
 LOOK_AT_TASK = 4
 AREA_TASK = 5
 UPRIGHT_TASK = 6
-"""Kinds of task. The predicates below give the properties of each kind."""
+"""Kinds of task, values of the field ``kind``."""
 RADIAN_LENGTH = 0.3
-"""Metres that count as one radian where both are weighted together."""
+"""Length in metres that counts as one radian where metres and radians are weighted together."""
 
 
 @small_kernel
 def has_residual(row):
-    """True if the residual of a task has to be measured: it is active or dropped."""
+    """True if a task is active or dropped: its residual has to be measured."""
     return row.status == ACTIVE or row.status == DROPPED
 
 
 @small_kernel
 def moves_point(row):
-    """True if a task moves a point of the body: neither a rotation, nor the centre of mass."""
+    """True if a task moves a point of the body: position, distance and area tasks."""
     return row.kind == POSITION_TASK or row.kind == DISTANCE_TASK or row.kind == AREA_TASK
 
 
@@ -48,19 +48,19 @@ def is_balance(row):
 
 @small_kernel
 def is_dormant(row):
-    """True for an area whose point is allowed where it is."""
+    """True for an area task whose point is in an allowed position."""
     return row.kind == AREA_TASK and not row.engaged
 
 
 @small_kernel
 def has_own_goal(row):
-    """True if the goal of a position, rotation or balance does not depend on the present pose."""
+    """True if the goal of a position, orientation or balance task does not depend on the present pose."""
     return (row.kind == POSITION_TASK or row.kind == ORIENTATION_TASK or row.kind == BALANCE_TASK) and row.points[1] < 0
 
 
 @small_kernel
 def limb_follows(row):
-    """True if a limb of the task follows a point or a segment of its own body."""
+    """True if a task moves a limb to a point or a segment of its own body."""
     kind = row.kind
     follows = kind == POSITION_TASK or kind == ORIENTATION_TASK or kind == UPRIGHT_TASK
     return follows and row.points[1] >= 0 and row.limbs[0] >= 0
@@ -68,25 +68,25 @@ def limb_follows(row):
 
 @small_kernel
 def links_two_points(row):
-    """True if a task is between two points of the body, which both may move."""
+    """True if a position or distance task is between two points of the body, both of which may move."""
     return (row.kind == POSITION_TASK or row.kind == DISTANCE_TASK) and row.points[1] >= 0
 
 
 @small_kernel
 def follows_own_body(row):
-    """True if a stored goal moves with a point or a segment of its own body."""
+    """True if the goal of a task moves with a point or a segment of its own body."""
     return row.kind != DISTANCE_TASK and row.kind != UPRIGHT_TASK and row.points[1] >= 0
 
 
 @small_kernel
 def is_rotation(row):
-    """True if a task rotates a segment, and its residual is an angle."""
+    """True if a task rotates a segment, so that its residual is an angle."""
     return row.kind == ORIENTATION_TASK or row.kind == LOOK_AT_TASK or row.kind == UPRIGHT_TASK
 
 
 @small_kernel
 def end_position(row, end, pose):
-    """Present position (x, y, z) of one end of a task (a record of ``kernels.tasks.task``)."""
+    """Present position (x, y, z) of end 0 or 1 of a task."""
     return body_point_position(row.points[end], row.segments[end], row.offsets[end], pose.positions, pose.rotations)
 
 

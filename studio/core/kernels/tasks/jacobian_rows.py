@@ -1,6 +1,8 @@
 """Jacobian rows of the tasks for ``kernels.search.null_space_step`` (METHOD 9).
 
-Records are those of ``kernels.records``.
+Functions that add rows write them from row ``count`` on, and return the new number of rows. ``weight_row`` is the row
+of the joint weights that moves joints for them; ``is_held`` is true for the rows of a higher level, which hold its
+result. Records are those of ``kernels.records``.
 """
 
 import math
@@ -11,8 +13,8 @@ from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.body_indices import HIP_POINT, POINTS_BESIDE_SPINE, POINTS_PER_LIMB
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limits.root_reach_limit import root_reach_of
+from studio.core.kernels.search.chain_reach import reachable_target
 from studio.core.kernels.search.joints import add_point_jacobian, add_rotation_jacobian, may_rotate
-from studio.core.kernels.search.reachability import reachable_target
 from studio.core.kernels.tasks.balance import accumulate_masses, add_arm_jacobian, write_balance_jacobian
 from studio.core.kernels.tasks.goals import (
     RADIAN_LENGTH,
@@ -26,7 +28,7 @@ from studio.core.kernels.tasks.goals import (
     links_two_points,
 )
 from studio.core.kernels.tasks.limb_rows import (
-    NEARLY_MET_LIMB,
+    NEARLY_MET_LIMB_RESIDUAL,
     add_point_rows,
     add_reach_rows,
     add_secondary_row,
@@ -48,7 +50,9 @@ from studio.core.kernels.tasks.upright import add_upright_rows
 
 @kernel
 def add_root_reach_rows(weight_row, count, problem):
-    """Add an inequality row for each planted leg: its hip stays within reach of the ankle. The new number of rows."""
+    """Add an inequality row for each planted leg, which keeps its hip within reach of its ankle; returns the new number
+    of rows.
+    """
     chain, body, task_rows, positions = problem.chain, problem.body, problem.search.rows, problem.pose.positions
     ankles = body.legs.ankles
     spine_count = positions.shape[0] - POINTS_BESIDE_SPINE
@@ -71,7 +75,9 @@ def add_root_reach_rows(weight_row, count, problem):
 
 @kernel
 def add_rows(c, level, weight_row, is_held, count, problem):
-    """Add the rows of one task, towards its goal or, when held, towards its result; the new number of rows."""
+    """Add the rows of one task, towards its goal or, if held, towards its saved result; returns the new number of
+    rows.
+    """
     tasks, search = problem.tasks, problem.search
     task_rows = search.rows
     row = tasks[c]
@@ -94,13 +100,13 @@ def add_rows(c, level, weight_row, is_held, count, problem):
             if row.status == DROPPED and row.limbs[end] >= 0:
                 count = add_dropped_task_row(c, level, end, weight_row, count, problem)
                 continue
-            if is_held and links_two_points(row) and row.kept_residual > NEARLY_MET_LIMB:
+            if is_held and links_two_points(row) and row.kept_residual > NEARLY_MET_LIMB_RESIDUAL:
                 if end == 0:
                     count = add_separation_row(c, weight_row, count, problem)
                 continue
             aims = not row.stiff or row.segment_weights[end, 0] == 1.0
             if free and aims:
-                if row.secondary and row.kept_residual > NEARLY_MET_LIMB:
+                if row.secondary and row.kept_residual > NEARLY_MET_LIMB_RESIDUAL:
                     count = add_swivel_row(c, end, weight_row, count, problem)
                 count = add_reach_rows(c, row, end, weight_row, is_held, count, problem)
             elif free or (end == 0 and not is_distance(row)):
@@ -121,15 +127,16 @@ def add_rows(c, level, weight_row, is_held, count, problem):
 
 @kernel
 def add_rotation_rows(row, weight_row, is_held, count, problem):
-    """Add three rows that rotate a segment of the trunk, or one row that holds the residual of a limited limb.
+    """Add three rows that rotate a segment of the trunk, or one row that holds the residual of a limb segment at its
+    limits.
 
     Limb segments are rotated in closed form; a held one keeps the residual that limits leave, as if the limb were
-    stiff.
+    rigid.
     """
     chain, pose, task_rows = problem.chain, problem.pose, problem.search.rows
     segment = row.segments[0]
     if row.limbs[0] >= 0:
-        if not is_held or row.kept_residual <= NEARLY_MET_LIMB:
+        if not is_held or row.kept_residual <= NEARLY_MET_LIMB_RESIDUAL:
             return count
         error = rotation_error(row.goal_rotation, pose.rotations[segment])
         size = length(error)
@@ -154,8 +161,9 @@ def add_rotation_rows(row, weight_row, is_held, count, problem):
 
 @kernel
 def add_balance_rows(row, level, weight_row, is_held, count, problem):
-    """Add two rows that move the centre of mass horizontally, or three, with arms that reach for goals down to
-    ``level``.
+    """Add two rows that move the centre of mass horizontally, or three rows if its height counts.
+
+    Arms with position tasks down to ``level`` are taken to reach for their goals meanwhile.
     """
     tasks, chain, masses, positions = problem.tasks, problem.chain, problem.body.masses, problem.pose.positions
     task_rows, sums = problem.search.rows, problem.search.mass_sums
@@ -186,9 +194,9 @@ def add_balance_rows(row, level, weight_row, is_held, count, problem):
 
 @kernel
 def add_dropped_task_row(c, level, end, weight_row, count, problem):
-    """Add a row that holds the residual of a dropped position task on an arm, which moves rigidly with its parent.
+    """Add a row that holds the residual of a dropped position task on an arm, which then moves rigidly with its parent.
 
-    If another task poses the arm, its effect on the residual is checked at the end.
+    No row is added if another task poses the arm; its effect on the residual is checked at the end.
     """
     tasks, chain, pose, task_rows = problem.tasks, problem.chain, problem.pose, problem.search.rows
     row = tasks[c]
@@ -211,7 +219,7 @@ def add_dropped_task_row(c, level, end, weight_row, count, problem):
 
 @kernel
 def add_position_rows(row, end, weight_row, is_held, count, problem):
-    """Add three rows that move a point of the trunk, or of a fixed limb, to its goal."""
+    """Add three rows that move a point of the trunk, or of a limb that the task may not bend, to its goal."""
     chain, pose, task_rows = problem.chain, problem.pose, problem.search.rows
     point, segment = end_position(row, end, pose), row.segments[end]
     first, follows = count, is_position(row) and row.points[1] >= 0

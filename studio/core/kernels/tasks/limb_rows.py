@@ -1,6 +1,9 @@
-"""Rows by which a limb's task moves the root of the limb to where the limb reaches (METHOD 8, "reach sharing").
+"""Jacobian rows by which a limb's task moves the root of the limb to where the limb reaches the goal (METHOD 8, "reach
+sharing").
 
-Records are those of ``kernels.records``.
+Functions that add rows write them from row ``count`` on, and return the new number of rows. ``weight_row`` is the row
+of the joint weights that moves joints for them; ``is_held`` is true for the rows of a higher level, which hold its
+result. Records are those of ``kernels.records``.
 """
 
 import math
@@ -13,46 +16,51 @@ from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb_limits import effective_point
 from studio.core.kernels.limbs.limb_tasks import NEGLIGIBLE_ERROR
 from studio.core.kernels.search.joints import add_point_jacobian, add_rotation_jacobian
-from studio.core.kernels.search.null_space_step import MAX_ERROR
+from studio.core.kernels.search.null_space_step import MAX_ROW_ERROR
 from studio.core.kernels.tasks.goals import end_position, is_position
 from studio.core.kernels.tasks.second_order import EQUALITY_ROW, INEQUALITY_ROW, begin_zero_row, set_point_error
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.kernels.tasks.task_status import ACTIVE
 
-NEARLY_MET_LIMB = 2.5 * PRIORITY_TOLERANCE
-"""Residual in metres up to which a limb's reach is held, and beyond which its root's position is held."""
-LIMB_FALLS_SHORT = 10.0 * PRIORITY_TOLERANCE
-"""Residual in metres from which the root of a limb that falls short is held completely by lower levels."""
+NEARLY_MET_LIMB_RESIDUAL = 2.5 * PRIORITY_TOLERANCE
+"""Residual in metres up to which a higher task holds its limb's reach, and beyond which it holds the position of the
+limb's root.
+"""
+LIMB_SHORT_RESIDUAL = 10.0 * PRIORITY_TOLERANCE
+"""Residual in metres from which the root of a limb that falls short is held completely; less is held in proportion."""
 LEAST_SWIVEL_LEVER = 0.01
-"""Metres a radian of swivel below which a limb's secondary task is not held by its swivel."""
+"""Least lever, in metres per radian of swivel, of a limb's secondary task for its residual to be held by the swivel."""
 SWIVEL_AMPLIFICATION = 2.0
-"""Assumed ratio of a limb's swivel to the rotation of its parent: between 0 and some 3, as (17) fades half turns."""
+"""Assumed ratio of a limb's swivel to the rotation of its parent. The true ratio is between 0 and about 3, because (17)
+fades half turns.
+"""
 
 LIMITED_REACH_RADIUS, SIDEWAYS_RESIDUAL = 0.3, 0.03
-"""Radius of the boundary of a limited limb's reach, as a fraction of its length, and squared sine of the angle between
-limb and residual at which it is half way from that of a free limb.
+"""Radius of curvature of a limited limb's reach, as a fraction of its length, and squared sine of the angle between
+limb and residual at which the radius is half way from that of a free limb.
 """
 
 
 class LimbLink(NamedTuple):
-    """A limb as a link of variable length from its root to where it reaches."""
+    """A limb seen from the trunk: a link of variable length from the limb's root to its goal."""
 
     root: int
-    """Point of its root."""
-    carrier: int
-    """Parent segment of its root."""
-    way: tuple[float, float, float]
+    """Index of the point of the limb's root."""
+    parent_segment: int
+    """Index of the segment that carries the limb's root."""
+    direction: tuple[float, float, float]
     """Unit direction from the root to the goal."""
     span: float
-    """Metres from the root to the goal."""
-    fold: float
-    reach: float
-    """Least and greatest length in metres."""
+    """Distance in metres from the root to the goal."""
+    min_length: float
+    """Least length in metres."""
+    max_length: float
+    """Greatest length in metres."""
 
 
 @kernel
 def add_point_rows(point, segment, x, y, z, weight_row, count, problem):
-    """Add three rows that move a point by (x, y, z)."""
+    """Add three rows that move a point of ``segment`` by (x, y, z) metres."""
     chain, task_rows, positions = problem.chain, problem.search.rows, problem.pose.positions
     for axis in range(3):
         begin_zero_row(task_rows, count, weight_row, x if axis == 0 else (y if axis == 1 else z))
@@ -67,11 +75,11 @@ def add_point_rows(point, segment, x, y, z, weight_row, count, problem):
 
 @kernel
 def add_reach_rows(c, row, end, weight_row, is_held, count, problem):
-    """Add the row of a limb as a link of variable length: its root nears the goal by the shortage (METHOD 8, (18)).
+    """Add the rows by which a limb's root moves until the limb reaches its goal (METHOD 8, (18)).
 
-    Held, it is an inequality: the root may move wherever the limb still reaches; if the limb falls short, the root
-    stays. A limb that its ``limits`` keep from its goal is moved rigidly along its residual (29). A thigh on a standing
-    knee has a lower bound as well.
+    The row is an objective while the task's level is solved. Of a held task it is an inequality row if the limb reached
+    the goal, so that the root may move wherever the limb still reaches; if the limb fell short, its root is held. A
+    limb that joint limits keep from its goal is moved rigidly along its residual instead (29).
     """
     pose, limits, ends = problem.pose, problem.body.limits, problem.search.end_tasks
     limb = row.limbs[end]
@@ -82,7 +90,7 @@ def add_reach_rows(c, row, end, weight_row, is_held, count, problem):
     span = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     per = 1.0 / span
     reach, fold = row.goal_reaches[end], min(row.min_reach[end], row.goal_reaches[end])
-    second = row.secondary and row.kept_residual <= NEARLY_MET_LIMB
+    second = row.secondary and row.kept_residual <= NEARLY_MET_LIMB_RESIDUAL
     if limits.shape[0] > 0 and (limits[limb].blocked_task == c or (second and limits[limb].blocked_task >= 0)):
         before = count
         count = add_limited_row(row, end, weight_row, is_held, count, (point, goal), problem)
@@ -96,25 +104,25 @@ def add_reach_rows(c, row, end, weight_row, is_held, count, problem):
     link = LimbLink(root, parent, (per * x, per * y, per * z), span, fold, reach)
     if not is_held:
         return add_link_row(link, row.slack[end], weight_row, count, problem)
-    if row.kept_residual > NEARLY_MET_LIMB:
+    if row.kept_residual > NEARLY_MET_LIMB_RESIDUAL:
         return hold_root(link, row, end, weight_row, count, problem)
     return bound_link(link, weight_row, count, problem)
 
 
 @kernel
 def add_link_row(link, slack, weight_row, count, problem):
-    """Add an objective row for the root of a limb whose goal is beyond its reach or too near, by more than ``slack``
+    """Add an objective row for the root of a limb whose goal is beyond its reach, or too near, by more than ``slack``
     metres.
     """
     chain, positions, task_rows = problem.chain, problem.pose.positions, problem.search.rows
-    error = link.span - min(max(link.span, link.fold + min(slack, 0.0)), link.reach + max(slack, 0.0))
+    error = link.span - min(max(link.span, link.min_length + min(slack, 0.0)), link.max_length + max(slack, 0.0))
     if error == 0.0:
         return count
-    x, y, z = link.way
+    x, y, z = link.direction
     shoulder = positions[link.root]
     begin_zero_row(task_rows, count, weight_row, error)
-    add_point_jacobian(shoulder, x, y, z, link.carrier, chain.joints, positions, task_rows.jacobian[count])
-    clamped_error = min(max(error, -MAX_ERROR), MAX_ERROR)
+    add_point_jacobian(shoulder, x, y, z, link.parent_segment, chain.joints, positions, task_rows.jacobian[count])
+    clamped_error = min(max(error, -MAX_ROW_ERROR), MAX_ROW_ERROR)
     along = math.copysign(link.span, error)
     set_point_error(
         task_rows.point_errors[count],
@@ -123,21 +131,21 @@ def add_link_row(link, slack, weight_row, count, problem):
         clamped_error * z,
         along,
         shoulder,
-        link.carrier,
+        link.parent_segment,
     )
     return count + 1
 
 
 @kernel
 def hold_root(link, row, end, weight_row, count, problem):
-    """Add rows that hold the root of a limb that falls short at its saved position, weighted by the residual."""
+    """Add rows that hold the root of a limb that falls short at its saved position, weighted by the limb's residual."""
     task_rows, shoulder, first = problem.search.rows, problem.pose.positions[link.root], count
-    if is_point_held(shoulder, link.carrier, count, task_rows):
+    if is_point_held(shoulder, link.parent_segment, count, task_rows):
         return count
-    held, kept = min(row.kept_residual / LIMB_FALLS_SHORT, 1.0), row.kept_roots[end]
+    held, kept = min(row.kept_residual / LIMB_SHORT_RESIDUAL, 1.0), row.kept_roots[end]
     x, y, z = kept[0] - shoulder[0], kept[1] - shoulder[1], kept[2] - shoulder[2]
-    count = add_point_rows(shoulder, link.carrier, x, y, z, weight_row, count, problem)
-    set_point_error(task_rows.point_errors[first], x, y, z, 0.0, shoulder, link.carrier)
+    count = add_point_rows(shoulder, link.parent_segment, x, y, z, weight_row, count, problem)
+    set_point_error(task_rows.point_errors[first], x, y, z, 0.0, shoulder, link.parent_segment)
     for other in range(first, count):
         task_rows.errors[other] *= held
         for joint in range(task_rows.jacobian.shape[1]):
@@ -148,22 +156,24 @@ def hold_root(link, row, end, weight_row, count, problem):
 
 @kernel
 def bound_link(link, weight_row, count, problem):
-    """Add an inequality row that keeps the goal of a limb within its reach."""
+    """Add an inequality row for the root of a limb that keeps the goal within the limb's reach."""
     chain, positions, task_rows = problem.chain, problem.pose.positions, problem.search.rows
-    span, fold, reach, (x, y, z) = link.span, link.fold, link.reach, link.way
+    span, fold, reach, (x, y, z) = link.span, link.min_length, link.max_length, link.direction
     shoulder, side = positions[link.root], 1.0 if reach - span < span - fold else -1.0
     x, y, z = side * x, side * y, side * z
     begin_zero_row(task_rows, count, weight_row, span - reach if side > 0.0 else fold - span)
     task_rows.roles[count] = INEQUALITY_ROW if reach - fold > NEGLIGIBLE_ERROR else EQUALITY_ROW
-    set_point_error(task_rows.point_errors[count], x, y, z, side * span, shoulder, link.carrier)
-    add_point_jacobian(shoulder, x, y, z, link.carrier, chain.joints, positions, task_rows.jacobian[count])
+    set_point_error(task_rows.point_errors[count], x, y, z, side * span, shoulder, link.parent_segment)
+    add_point_jacobian(shoulder, x, y, z, link.parent_segment, chain.joints, positions, task_rows.jacobian[count])
     return count + 1
 
 
 @kernel
 def add_separation_row(c, weight_row, count, problem):
-    """Add a row that holds the residual between two points of the body: limbs are links of their length from their
-    roots, or rigid where limits block them.
+    """Add a row that holds the residual of a task between two points of the body.
+
+    A point on a limb moves with the limb's root, or rigidly with its segment if joint limits keep the limb from its
+    goal.
     """
     tasks, chain, pose = problem.tasks, problem.chain, problem.pose
     row, task_rows, limits = tasks[c], problem.search.rows, problem.body.limits
@@ -202,7 +212,7 @@ def add_separation_row(c, weight_row, count, problem):
 
 @kernel
 def primary_task_of(c, tasks):
-    """Index of the primary position task on the limb of a secondary task, -1 for none."""
+    """Index of the primary position task on the limb of a secondary task ``c``, -1 for none."""
     for before in range(c):
         first = tasks[before]
         same = is_position(first) and first.status == ACTIVE and first.limbs[0] == tasks[c].limbs[0]
@@ -216,7 +226,7 @@ def add_secondary_row(c, weight_row, count, problem):
     """Add a row that moves a limb's root until the goal of its secondary task, at elbow or knee, is at the length of
     the upper bone.
 
-    The goal is the nearest position at the bone's length from the primary task's point: the swivel (16) does the rest.
+    That goal is first moved to the bone's length from the primary task's point: the swivel (16) does the rest.
     """
     tasks, chain, pose = problem.tasks, problem.chain, problem.pose
     row, task_rows, first = tasks[c], problem.search.rows, primary_task_of(c, tasks)
@@ -242,7 +252,7 @@ def add_secondary_row(c, weight_row, count, problem):
     x, y, z = x / span, y / span, z / span
     begin_zero_row(task_rows, count, weight_row, error)
     add_point_jacobian(shoulder, x, y, z, parent, chain.joints, pose.positions, task_rows.jacobian[count])
-    clamped_error = min(max(error, -MAX_ERROR), MAX_ERROR)
+    clamped_error = min(max(error, -MAX_ROW_ERROR), MAX_ROW_ERROR)
     set_point_error(
         task_rows.point_errors[count],
         clamped_error * x,
@@ -257,10 +267,9 @@ def add_secondary_row(c, weight_row, count, problem):
 
 @kernel
 def add_swivel_row(c, end, weight_row, count, problem):
-    """Add a row that holds the residual of a limb's secondary task whose swivel is limited.
+    """Add a row that holds the residual of a limb's secondary task, which its limited swivel could not remove.
 
-    The swivel begins at the motion's own and ends at limits: it follows the parent's rotation about the axis from the
-    limb's root to its primary point.
+    The swivel is assumed to follow the parent's rotation about the axis from the limb's root to its primary point.
     """
     tasks, chain, pose = problem.tasks, problem.chain, problem.pose
     row, task_rows = tasks[c], problem.search.rows
@@ -283,9 +292,9 @@ def add_swivel_row(c, end, weight_row, count, problem):
 
 @kernel
 def add_limited_row(row, end, weight_row, is_held, count, aim, problem):
-    """Add a row that moves a limb at a joint limit along its residual, to first order as a rigid body (METHOD (29)).
+    """Add a row that moves a limb at its joint limits along its residual, to first order as a rigid body (METHOD (29)).
 
-    With ``is_held`` the residual is kept. ``aim`` is the result of ``effective_point``.
+    With ``is_held`` the residual is kept. ``aim`` is the (point, goal) of ``effective_point``.
     """
     chain, pose, task_rows = problem.chain, problem.pose, problem.search.rows
     (point, goal), kept = aim, 0.0
@@ -300,7 +309,7 @@ def add_limited_row(row, end, weight_row, is_held, count, aim, problem):
     x, y, z, error = x / size, y / size, z / size, size - kept
     begin_zero_row(task_rows, count, weight_row, error)
     add_point_jacobian(point, x, y, z, parent, chain.joints, pose.positions, task_rows.jacobian[count])
-    clamped_error = min(max(error, -MAX_ERROR), MAX_ERROR)
+    clamped_error = min(max(error, -MAX_ROW_ERROR), MAX_ROW_ERROR)
     radius = reach_curvature_radius(x, y, z, point, pose.positions[root])
     centre = point[0] - radius * x, point[1] - radius * y, point[2] - radius * z
     set_point_error(
@@ -317,10 +326,11 @@ def add_limited_row(row, end, weight_row, is_held, count, aim, problem):
 
 @kernel
 def reach_curvature_radius(x, y, z, point, root):
-    """Radius of curvature in metres of a limb's reach about ``point``, along the unit (x, y, z) of its residual (30).
+    """Radius of curvature in metres of the boundary of a limb's reach at ``point``, along the unit residual (x, y, z)
+    (30).
 
-    A free limb reaches a ball about its ``root``, and its residual is radial; the more sideways the residual, at
-    limits, the more rigid the limb.
+    A free limb reaches a ball about its ``root``, and its residual is radial; the more sideways the residual of a limb
+    at its limits, the more rigid the limb.
     """
     rx, ry, rz = point[0] - root[0], point[1] - root[1], point[2] - root[2]
     squared = max(rx * rx + ry * ry + rz * rz, 1e-12)
@@ -332,7 +342,9 @@ def reach_curvature_radius(x, y, z, point, root):
 
 @kernel
 def is_point_held(point, segment, count, task_rows):
-    """True if a higher task holds the same point: the same three rows would be redundant."""
+    """True if the first ``count`` rows hold the same point of ``segment`` already: three more rows would be
+    redundant.
+    """
     for row in range(count):
         clamped_error = task_rows.point_errors[row]
         same = clamped_error.segment == segment and clamped_error.span == 0.0 and task_rows.roles[row] == EQUALITY_ROW

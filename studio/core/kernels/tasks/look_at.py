@@ -1,4 +1,4 @@
-"""Look-at tasks: a segment's x axis, from a point of it, through a position or a point of its own body."""
+"""Look-at tasks: a segment's x axis, from a point of the segment, through a position or a point of the own body."""
 
 import math
 
@@ -8,13 +8,15 @@ from studio.core.kernels.compiling import kernel
 from studio.core.kernels.tasks.goals import LOOK_AT_TASK, end_position
 from studio.core.kernels.tasks.task_status import PINNED_TO_RESIDUAL, PINNED_TO_ROTATION
 
-LOOKS_AWAY = 1.0
-"""Residual in radians from which a held look keeps its rotation: its residual has no clear direction there."""
+LOOKING_AWAY_ANGLE = 1.0
+"""Residual in radians from which a held look-at task keeps its rotation instead of its residual, which has no clear
+direction there.
+"""
 
 
 @kernel
 def set_look_goal(row, target, start):
-    """Set the target of the look, and its direction in ``start``."""
+    """Set the target of a look-at task, and the gaze direction in ``start``."""
     copy_point(target, row.goal_positions[0])
     for axis in range(3):
         row.goal_positions[1, axis] = start.rotations[row.segments[0], axis, 0]
@@ -23,7 +25,9 @@ def set_look_goal(row, target, start):
 
 @kernel
 def follow_look(row, pose):
-    """Set the goal rotation: the nearest to the present one that looks at the target, by activation."""
+    """Set the goal rotation of a look-at task: the nearest to the present one that looks at the target, by
+    activation.
+    """
     if row.pinned == PINNED_TO_ROTATION:
         return
     now = rotation_from_matrix(pose.rotations[row.segments[0]])
@@ -35,13 +39,17 @@ def follow_look(row, pose):
 
 @kernel
 def constrains_gaze(row):
-    """True if a held gaze keeps its angle to the target wherever the eyes move; False where it looks away from it."""
-    return row.kind == LOOK_AT_TASK and row.kept_residual < LOOKS_AWAY
+    """True if a held look-at task keeps its angle to the target when the eyes move; False if it looks away from the
+    target.
+    """
+    return row.kind == LOOK_AT_TASK and row.kept_residual < LOOKING_AWAY_ANGLE
 
 
 @kernel
 def gaze_direction(start, target, eye, fraction):
-    """Unit direction (x, y, z) at ``fraction`` of the arc from ``start`` to the line from ``eye`` to ``target``."""
+    """Unit direction (x, y, z) at ``fraction`` of the arc from the direction ``start`` to that from ``eye`` to
+    ``target``.
+    """
     x, y, z = target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]
     length = max(math.sqrt(x * x + y * y + z * z), 1e-9)
     x, y, z = x / length, y / length, z / length
@@ -56,8 +64,8 @@ def gaze_direction(start, target, eye, fraction):
 
 @kernel
 def pin_look(row, pose):
-    """Pin the task to its residual in ``pose``, or to its rotation if it looks away."""
+    """Pin a look-at task to its residual, or to its rotation in ``pose`` if it looks away from the target."""
     row.pinned = PINNED_TO_RESIDUAL
-    if row.blended_residual >= LOOKS_AWAY:
+    if row.blended_residual >= LOOKING_AWAY_ANGLE:
         row.pinned, row.blended_residual = PINNED_TO_ROTATION, 0.0
         copy_matrix(pose.rotations[row.segments[0]], row.goal_rotation)

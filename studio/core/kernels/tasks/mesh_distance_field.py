@@ -12,18 +12,17 @@ import numpy as np
 from studio.core.kernels.compiling import allocating_kernel, kernel
 
 FIELD_ORIGIN, FIELD_CELL, FIELD_COUNTS, FIELD_HEADER = 0, 3, 4, 7
-"""Columns of a field; ``FIELD_HEADER`` numbers come before the coefficients."""
+"""Columns of a field: origin (3), cell size and counts (3); ``FIELD_HEADER`` numbers come before the coefficients."""
 SURFACE_STEPS = 12
-"""Newton steps along the gradient of a field to its surface, at most."""
+"""Greatest number of Newton steps along the gradient of a field to its surface."""
 
 
 @kernel
 def nearest_on_triangle(p, a, b, c):
-    """Barycentric v and w of the nearest point a + v (b - a) + w (c - a), and the feature of the triangle on which it
-    lies.
+    """(v, w, feature) of the point a + v (b - a) + w (c - a) of a triangle that is nearest to ``p`` (3,).
 
-    0 face, 1 to 3 edge ab, bc, ca, 4 to 6 corner. By the regions of Ericson, Real-Time Collision Detection (2005),
-    5.1.5.
+    The feature on which the point lies is 0 for the face, 1 to 3 for edge ab, bc, ca, 4 to 6 for corner a, b, c. By the
+    regions of Ericson, Real-Time Collision Detection (2005), 5.1.5.
     """
     ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
@@ -54,7 +53,7 @@ def nearest_on_triangle(p, a, b, c):
 
 @kernel
 def signed_distance(p, triangle, corners, normals):
-    """Signed distance of a point (3,) from a triangle, negative behind the normal of its nearest feature.
+    """Signed distance of a point ``p`` (3,) from a triangle, negative behind the normal of its nearest feature.
 
     With angle-weighted normals (T, 7, 3) the sign is right for every closed mesh (Baerentzen 2005).
     """
@@ -71,10 +70,10 @@ def signed_distance(p, triangle, corners, normals):
 
 @allocating_kernel
 def measure_near(corners, normals, origin, cell, band, out_distances, out_owners):
-    """Write signed distances at the nodes of a grid (X, Y, Z) within ``band`` cells of each triangle, and the index of
-    the nearest triangle.
+    """Write the signed distances at the nodes of a grid (X, Y, Z) within ``band`` cells of any triangle, and the index
+    of the nearest triangle.
 
-    ``corners`` (T, 3, 3), ``normals`` (T, 7, 3); nodes further away keep their values.
+    ``corners`` (T, 3, 3), ``normals`` (T, 7, 3); nodes farther away are not changed.
     """
     p = np.empty(3)
     low, high = np.empty(3, np.int64), np.empty(3, np.int64)
@@ -95,9 +94,10 @@ def measure_near(corners, normals, origin, cell, band, out_distances, out_owners
 
 @allocating_kernel
 def measure_far(corners, normals, origin, cell, far, owners, distances):
-    """Measure the signed distances of nodes that are ``far`` (X, Y, Z) from all triangles, in place.
+    """Write the signed distances at the nodes that are ``far`` (X, Y, Z) from all triangles.
 
-    ``owners`` is a guess of the nearest triangle; in sweeps there and back each node tries those of its neighbours.
+    ``owners`` (X, Y, Z) is a guess of the nearest triangle of each node; in sweeps forwards and backwards each node
+    tries those of its neighbours.
     """
     p = np.empty(3)
     x, y, z = distances.shape
@@ -127,7 +127,9 @@ def measure_far(corners, normals, origin, cell, far, owners, distances):
 
 @kernel
 def spline_weights(t, out_weights):
-    """Write cubic B-spline weights (4,) and their derivatives (4,) at ``t`` from 0 to 1 between two nodes: (2, 4)."""
+    """Write the weights (4,) of a cubic B-spline and their derivatives (4,), at ``t`` from 0 to 1 between two nodes,
+    into (2, 4).
+    """
     s = 1.0 - t
     out_weights[0, 0], out_weights[0, 3] = s * s * s / 6.0, t * t * t / 6.0
     out_weights[0, 1] = 2.0 / 3.0 - 0.5 * t * t * (2.0 - t)
@@ -139,8 +141,9 @@ def spline_weights(t, out_weights):
 
 @allocating_kernel
 def distance_at(field, x, y, z, weights, out_slope):
-    """Signed distance at a position; writes its gradient (3,). Outside the grid the edge value; ``weights`` (3, 2, 4)
-    scratch.
+    """Signed distance at (x, y, z), and its gradient, which is written into ``out_slope`` (3,).
+
+    Outside the grid it is the value at the edge. ``weights`` (3, 2, 4) is scratch.
     """
     cell = field[FIELD_CELL]
     ny, nz = int(field[FIELD_COUNTS + 1]), int(field[FIELD_COUNTS + 2])
@@ -170,7 +173,7 @@ def distance_at(field, x, y, z, weights, out_slope):
 
 @allocating_kernel
 def nearest_allowed_in_field(field, x, y, z, side):
-    """Nearest allowed position: outside the mesh (``side`` 0), inside (1) or on its surface (2).
+    """Nearest position to (x, y, z) outside the mesh (``side`` 0), inside (1) or on its surface (2).
 
     From outside the grid the descent begins where the line to the result enters the grid, found iteratively.
     """
@@ -192,7 +195,9 @@ def nearest_allowed_in_field(field, x, y, z, side):
 
 @allocating_kernel
 def nearest_beyond_margin(field, x, y, z, margin):
-    """Nearest position that is ``margin`` metres outside of the mesh, along the normal of its nearest surface point."""
+    """Nearest position to (x, y, z) that is ``margin`` metres outside the mesh, along the normal of its nearest surface
+    point.
+    """
     weights, slope = np.empty((3, 2, 4)), np.empty(3)
     qx, qy, qz = nearest_allowed_in_field(field, x, y, z, 2)
     distance_at(field, qx, qy, qz, weights, slope)
@@ -205,7 +210,7 @@ def nearest_beyond_margin(field, x, y, z, margin):
 
 @kernel
 def clamp_to_grid(field, axis, coordinate):
-    """Coordinate clamped to the grid."""
+    """Coordinate clamped to the range of the grid along ``axis``."""
     return min(
         max(coordinate, field[FIELD_ORIGIN + axis] + field[FIELD_CELL]),
         field[FIELD_ORIGIN + axis] + field[FIELD_CELL] * (field[FIELD_COUNTS + axis] - 2.0),
@@ -214,7 +219,7 @@ def clamp_to_grid(field, axis, coordinate):
 
 @kernel
 def fraction_within_grid(field, x, y, z, fx, fy, fz):
-    """Fraction inside the grid of the line from a position f within it to (x, y, z)."""
+    """Fraction within the grid of the line from a position (fx, fy, fz) inside it to (x, y, z)."""
     fraction = 1.0
     for axis in range(3):
         low, high = (
@@ -231,7 +236,7 @@ def fraction_within_grid(field, x, y, z, fx, fy, fz):
 
 @kernel
 def descend_to_surface(field, px, py, pz, weights, slope):
-    """Newton steps along the gradient of the field to the surface."""
+    """Position on the surface of the mesh, found by Newton steps along the field's gradient from (px, py, pz)."""
     for _ in range(SURFACE_STEPS):
         distance = distance_at(field, px, py, pz, weights, slope)
         steep = slope[0] ** 2 + slope[1] ** 2 + slope[2] ** 2

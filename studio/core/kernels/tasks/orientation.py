@@ -1,4 +1,4 @@
-"""Orientation tasks: a segment rotated to a target in the world, or to a segment of its own body."""
+"""Orientation tasks: a segment rotated to a target in the world, or relative to a segment of its own body."""
 
 from studio.core.kernels.algebra.rotation_tuples import (
     compose,
@@ -13,8 +13,8 @@ from studio.core.kernels.compiling import kernel
 
 @kernel
 def set_orientation_goal(row, goal, start):
-    """Set the goal on the shortest arc from the segment's rotation in ``start`` to the target ``goal``, by
-    activation.
+    """Set the goal rotation of an orientation task, on the shortest arc from the unsolved rotation to the target
+    ``goal``, by activation.
     """
     write_rotation(
         interpolate_rotation(rotation_from_matrix(start.rotations[row.segments[0]]), goal, row.activation),
@@ -24,12 +24,12 @@ def set_orientation_goal(row, goal, start):
 
 @kernel
 def follow_orientation(row, start, pose):
-    """Set the goal from the segment that it follows."""
+    """Set the goal rotation of an orientation task from the segment that it follows."""
     axes = rotation_from_matrix(pose.rotations[row.segments[1]])
     set_orientation_goal(row, compose(axes, rotation_from_matrix(row.relative)), start)
 
 
 @kernel
 def rotation_residual(row, pose):
-    """Angle in radians from its segment's rotation to the goal."""
+    """Angle in radians between the present rotation of a task's segment and its goal."""
     return length(rotation_error(row.goal_rotation, pose.rotations[row.segments[0]]))

@@ -1,4 +1,4 @@
-"""Position tasks: a point at a target, or at a point of its own body."""
+"""Position tasks: a point at a target position, or at a point of its own body."""
 
 from studio.core.kernels.algebra.rotation_tuples import (
     inverse_rotation,
@@ -14,13 +14,16 @@ from studio.core.kernels.tasks.task_status import UNPINNED
 
 @kernel
 def set_position_goal(row, target, start):
-    """Set the goal between its point in ``start`` and its ``target``, by activation (METHOD 7, (12))."""
+    """Set the goal of a position task between its unsolved point and the ``target``, by activation (METHOD 7, (12))."""
     copy_point(interpolate_point(end_position(row, 0, start), target, row.activation), row.goal_positions[0])
 
 
 @kernel
 def follow_position(row, start, pose):
-    """Set the goal from the point that it follows; pinned, from the offset in the axes of that point's segment."""
+    """Set the goal of a position task from the point that it follows.
+
+    The goal of a pinned task keeps its offset in the axes of that point's segment.
+    """
     position = end_position(row, 1, pose)
     if row.pinned == UNPINNED:
         copy_point(interpolate_point(end_position(row, 0, start), position, row.activation), row.goal_positions[0])
@@ -33,13 +36,13 @@ def follow_position(row, start, pose):
 
 @kernel
 def position_residual(row, pose):
-    """Distance in metres from its point to the goal."""
+    """Distance in metres from the point of a position task to its goal."""
     return distance(end_position(row, 0, pose), row.goal_positions[0])
 
 
 @kernel
 def pin_position(row, pose):
-    """Pin the task to its point in ``pose``: in the axes of the segment that it follows, or in the world."""
+    """Pin a position task to its point in ``pose``: in the axes of the segment that it follows, or in the world."""
     point = end_position(row, 0, pose)
     if row.points[1] < 0:
         copy_point(point, row.goal_positions[0])

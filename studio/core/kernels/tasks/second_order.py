@@ -9,23 +9,26 @@ from studio.core.kernels.search.joints import ROOT_TRANSLATION
 OBJECTIVE_ROW, EQUALITY_ROW, INEQUALITY_ROW = 0, 1, 2
 """Roles of rows: objective, equality of a higher level, inequality."""
 FULL_HESSIAN_ROWS = 6
-"""Objective rows up to which all second derivatives are computed; beyond, the diagonal."""
+"""Greatest number of objective rows for which all second derivatives are computed; for more, only those on the
+diagonal.
+"""
 LINK_NUMBERS = 6
-"""Numbers of a direction in scratch before those of its pairs."""
+"""Number of columns of a direction's row of scratch before those of its pairs with other directions."""
 ALLOWED_DRIFT = 2e-3
-"""Second-order drift in metres of a held row that a step may cause, before it is restored."""
+"""Greatest second-order drift in metres of a held row by one step, which is restored afterwards."""
 MAX_STEP_LENGTH = 1.5
-"""Greatest step length."""
+"""Greatest step length, 1 being a Newton step."""
 LEAST_CURVATURE = 0.3
-"""Least fraction of a step's curvature for step lengths above 1."""
+"""Least curvature assumed along a step, as a fraction of that at its start."""
 
 
 @kernel
 def set_point_error(point_error, x, y, z, span, point, segment):
-    """Set an error (x, y, z) of a ``point`` (3,) of ``segment``, or of a limb of length ``span`` from there.
+    """Write a ``POINT_ERROR``: the error (x, y, z) in metres of a ``point`` (3,) of ``segment``, or of a limb that
+    begins at the point.
 
-    ``span`` is 0 for a point, positive for a limb that has to shorten, negative for one that has to extend; ``segment``
-    is -1 for none.
+    ``span`` is 0 for a point, the limb's length in metres if the limb has to shorten, and minus that if it has to
+    extend; ``segment`` is -1 for none.
     """
     point_error.error[0], point_error.error[1], point_error.error[2], point_error.span = x, y, z, span
     point_error.point[0], point_error.point[1], point_error.point[2], point_error.segment = (
@@ -38,10 +41,10 @@ def set_point_error(point_error, x, y, z, span, point, segment):
 
 @kernel
 def directional_derivatives(point_error, rates, joints, positions):
-    """(e . v, e . H(x, x), (J x)^2, |a|) of an error e while joints move at ``rates`` x (N, 3) (METHOD (23)).
+    """(e . v, e . H(x, x), (J x)^2, |a|) of a point error e while joints move at the ``rates`` x (N, 3) (METHOD (23)).
 
-    With v, a the velocity and acceleration of the point, e . H is -e . a, and for a limb of length ``span`` + |e| /
-    span times v^2 across it (to be shortened, or - to be lengthened).
+    With v, a the velocity and acceleration of the point, e . H is -e . a; for a limb, plus |e| / ``span`` times the
+    squared velocity across it.
     """
     segment = point_error.segment
     vx = vy = vz = ax = ay = az = wx = wy = wz = 0.0
@@ -71,11 +74,11 @@ def directional_derivatives(point_error, rates, joints, positions):
 
 @kernel
 def add_row_hessian(push, point_error, equality_count, count, joints, equations, positions):
-    """Add ``push`` times the second derivatives e . H(x_i, x_j) of one point error to the normal ``equations``, for all
-    pairs of their directions ``equality_count`` to ``count``, in one pass over the joints.
+    """Add ``push`` times the second derivatives e . H(x_i, x_j) of one point error to the normal ``equations``.
 
-    The link d from a joint to the next rotates at W, the sum of its own and all earlier rates: e . H gains (e . d) W_i
-    . W_j - (e . W_i)(d . W_j). Its positive part is taken, so that the equations stay positive. METHOD (23).
+    All pairs of the directions ``equality_count`` to ``count`` are added, in one pass over the joints. The link d from
+    a joint to the next rotates at W, the sum of its own and all earlier rates: e . H gains (e . d) W_i . W_j - (e .
+    W_i)(d . W_j). Its positive part is taken, so that the equations stay positive. METHOD (23).
     """
     directions, scratch = equations.directions, equations.scratch
     own, segment = count - equality_count, point_error.segment
@@ -108,8 +111,9 @@ def add_row_hessian(push, point_error, equality_count, count, joints, equations,
 
 @kernel
 def add_projected_hessian(weight, stretch, unit, own, scratch, normal):
-    """Add the second derivatives in ``scratch`` to the ``normal`` equations (n, n + 1), and ``stretch`` times the
-    product of the velocities across the ``unit``, for a limb that is too short.
+    """Add ``weight`` times the second derivatives in ``scratch`` to the ``normal`` equations (n, n + 1).
+
+    For a limb that is too short, also ``stretch`` times the product of the velocities across ``unit``.
     """
     ux, uy, uz = unit
     for i in range(own):
@@ -136,8 +140,9 @@ def moves_joint(joint, equality_count, count, directions):
 
 @kernel
 def add_link_term(error, unit, link, own, scratch):
-    """Add one ``link`` (x, y, z), with an ``error`` in metres along the ``unit``: its velocity, and its second
-    derivatives.
+    """Add one ``link`` (x, y, z) to the velocities and second derivatives in ``scratch``.
+
+    The error is ``error`` metres along ``unit``.
     """
     dx, dy, dz = link
     size, both, side, (sx, sy, sz), (tx, ty, tz) = positive_second_order_term(error, unit, link)
@@ -160,11 +165,11 @@ def add_link_term(error, unit, link, own, scratch):
 
 @small_kernel
 def positive_second_order_term(error, unit, link):
-    """Positive part of (e . d) 1 - (d e^T + e d^T) / 2, as (k, b, a, s, t) of k 1 - b s s^T + a t t^T, for an ``error``
-    e along the ``unit`` and d the ``link``.
+    """Positive part of the symmetric matrix (e . d) 1 - (d e^T + e d^T) / 2, as (k, b, a, s, t) of k 1 - b s s^T + a t
+    t^T.
 
-    At an angle of cosine c it has the eigenvalues c across both, (c + 1) / 2 along t = d/|d| - e/|e| and (c - 1) / 2
-    along s = d/|d| + e/|e|, times |d||e|. METHOD (23).
+    e is ``error`` times ``unit``, d the ``link``. At an angle of cosine c it has the eigenvalues c across both, (c + 1)
+    / 2 along t = d/|d| - e/|e| and (c - 1) / 2 along s = d/|d| + e/|e|, times |d||e|. METHOD (23).
     """
     (ux, uy, uz), (dx, dy, dz) = unit, link
     d = max(math.sqrt(dx * dx + dy * dy + dz * dz), 1e-12)
@@ -182,12 +187,12 @@ def positive_second_order_term(error, unit, link):
 
 @kernel
 def optimal_step_length(equality_count, count, slope, roles, point_errors, step, joints, positions):
-    """Step length with the least errors to second order, and without drift of held rows.
+    """Step length with the least squared errors to second order, short enough for held rows not to drift.
 
     Along the step an error is e - p a + p^2 b / 2, so that with the gradient ``slope`` s the sum of squares has the
     derivative
 
-        g(p) = s (1 - p) + 3/2 p^2 sum (e a)(e b) / e^2 - p^3 / 2 sum (e b)^2 / e^2
+            g(p) = s (1 - p) + 3/2 p^2 sum (e a)(e b) / e^2 - p^3 / 2 sum (e b)^2 / e^2
 
     and one Newton step from p = 1 is taken. Held rows may drift by ``ALLOWED_DRIFT``. METHOD (23).
     """
@@ -212,7 +217,7 @@ def optimal_step_length(equality_count, count, slope, roles, point_errors, step,
 
 @kernel
 def begin_zero_row(task_rows, count, weight_row, error):
-    """Start an objective row and set its Jacobian to zero."""
+    """Set error and weight row of objective row ``count``, and set its Jacobian to zero."""
     begin_filled_row(task_rows, count, weight_row, error)
     row = task_rows.jacobian[count]
     for joint in range(row.shape[0]):
@@ -221,7 +226,7 @@ def begin_zero_row(task_rows, count, weight_row, error):
 
 @small_kernel
 def begin_filled_row(task_rows, count, weight_row, error):
-    """Set error and weights of an objective row; the caller writes its Jacobian."""
+    """Set error and weight row of objective row ``count``; the caller writes its Jacobian."""
     task_rows.point_errors[count].segment, task_rows.point_errors[count].weight = -1, 1.0
     task_rows.errors[count], task_rows.weight_rows[count] = error, weight_row
     task_rows.roles[count], task_rows.margins[count] = OBJECTIVE_ROW, 0.0

@@ -5,18 +5,17 @@ from studio.core.kernels.tasks.task_kinds import set_goal
 from studio.core.kernels.tasks.task_status import ACTIVE, set_initial_status
 
 LEAST_RELATIVE_WEIGHT = 0.1
-"""Least weight of a task relative to the heaviest of its level: a lighter one would be left before it is within 0.2 mm,
-for a search ends when its weighted errors are small.
+"""Least weight of a task relative to the heaviest of its level. A search ends when its weighted errors are small, so a
+lighter task would be left before it is within 0.2 mm.
 """
 
 
 @kernel
 def set_goals(least, frame, activations, constraints, problem):
-    """Set all goals and weights at this frame, the goals by activation between the unsolved pose and the targets; False
-    if no task is active.
+    """Set the goals and weights of all tasks at one frame; True if any task is active.
 
-    A task whose transitions are blended (``kernels.time.activation_blend``) has full activation, or none if its
-    activation is below ``least``.
+    Goals lie between the unsolved pose and the targets, by activation. A task whose transitions are blended
+    (``kernels.time.activation_blend``) has full activation instead, or none if its activation is below ``least``.
     """
     tasks, weights, acts = problem.tasks, constraints.weights, False
     for c in range(tasks.shape[0]):
@@ -33,7 +32,7 @@ def set_goals(least, frame, activations, constraints, problem):
 
 @kernel
 def update_relative_weights(tasks):
-    """Update the weights relative to the heaviest active task of the same level."""
+    """Update the weight of each task relative to that of the heaviest active task of its level."""
     for row in tasks:
         heaviest = 0.0
         for other in tasks:

@@ -1,4 +1,4 @@
-"""Goals and residuals of the tasks by kind.
+"""Goals and residuals of the tasks, dispatched by kind.
 
 Each kind has its own file. A new kind is added to each list here, to ``kernels.tasks.jacobian_rows`` and to
 ``solver/asking/kinds``.
@@ -31,7 +31,7 @@ from studio.core.kernels.tasks.upright import follow_upright, pin_upright, set_u
 
 @kernel
 def set_goal(c, frame, targets, problem):
-    """Set the goal of a task at a frame: between the unsolved pose and its target, by activation (METHOD 7)."""
+    """Set the goal of task ``c`` at a frame: between the unsolved pose and its target, by activation (METHOD 7)."""
     row, area, start = problem.tasks[c], problem.areas[c], problem.start
     position = targets.positions[c, frame if targets.positions.shape[1] > 1 else 0]
     rotation = targets.rotations[c, frame if targets.rotations.shape[1] > 1 else 0]
@@ -56,10 +56,10 @@ def set_goal(c, frame, targets, problem):
 
 @kernel
 def update_goals(level, solved, problem):
-    """Update goals that depend on the present pose: distances, areas, looks, and points that follow the own body
-    (METHOD 7).
+    """Update the goals, down to a ``level``, that depend on the present pose: of distances, areas, looks, and followed
+    points (METHOD 7).
 
-    Once limbs are ``solved``, those that depend on the limbs' poses.
+    ``solved`` is true after limbs have been solved; distances and areas then keep their goals.
     """
     tasks, pose = problem.tasks, problem.pose
     for c in range(tasks.shape[0]):
@@ -80,7 +80,7 @@ def update_goals(level, solved, problem):
 
 @kernel
 def follow_own_body(c, problem):
-    """Update the goal of a task from the point or segment of its own body that it follows."""
+    """Update the goal of task ``c`` from the point or segment of its own body that it follows."""
     row, start, pose = problem.tasks[c], problem.start, problem.pose
     if row.kind == POSITION_TASK:
         follow_position(row, start, pose)
@@ -96,7 +96,7 @@ def follow_own_body(c, problem):
 
 @kernel
 def residual_of(c, problem):
-    """Residual of a task now: metres, or radians for a rotation."""
+    """Present residual of task ``c``: metres, or radians for a rotation."""
     row, pose = problem.tasks[c], problem.pose
     if row.kind == UPRIGHT_TASK:
         return upright_residual(row, pose)
@@ -113,7 +113,7 @@ def residual_of(c, problem):
 
 @kernel
 def pin_goal(c, above):
-    """Freeze the goal of a task at its result in the pose ``above`` of the higher levels."""
+    """Freeze the goal of task ``c`` at its result in the problem ``above``, whose pose is that of the higher levels."""
     row, pose = above.tasks[c], above.pose
     if row.kind == DISTANCE_TASK:
         row.goal_distance = length_between(row, pose)

@@ -1,4 +1,4 @@
-"""Status of a task at one frame, and all that changes it.
+"""Status of a task at one frame, and all functions that change it.
 
     INACTIVE --activation > 0--> ACTIVE --cannot be met beside higher levels--> DROPPED
                                    |
@@ -10,10 +10,12 @@ No other module writes ``status``.
 from studio.core.kernels.compiling import small_kernel
 
 INACTIVE, ACTIVE, DROPPED, IN_TRANSITION = 0, 1, 2, 3
-"""Status of a task: a dropped task yields to higher levels; a task in transition is not solved any more."""
+"""Values of a task's ``status``: a dropped task yields to higher levels; a task in transition is not solved any more,
+but its residual is blended.
+"""
 UNPINNED, PINNED_TO_RESIDUAL, PINNED_TO_ROTATION = 0, 1, 2
-"""Pin of a task to its result (``kernels.time.smoothed_frames``): none, to its residual, or, for a look that looks
-away, to its rotation.
+"""Values of a task's ``pinned``: free, held at its residual, or, for a look-at task that looks away, held at its
+rotation.
 """
 
 

@@ -1,9 +1,9 @@
 """Keep-upright tasks: an axis of a segment within a cone about a direction; the rotation about the direction is free.
 
-A record of ``kernels.tasks.task`` has the axis, in the segment's own axes, in ``offsets[1]``, the direction in
-``goal_positions[1]`` and the greatest lean at this frame, in radians, in ``goal_distance`` (METHOD 7). If it follows
-another segment of its own body, the direction is fixed to that segment: the first column of ``relative``. Then
-``end_fractions[1]`` is 1 if rows count the rotation of that segment too.
+In a record of ``kernels.tasks.task``, ``offsets[1]`` is the axis in the segment's own axes, ``goal_positions[1]`` the
+direction, and ``goal_distance`` the greatest lean in radians at this frame (METHOD 7). If the task follows another
+segment of its own body, the direction is fixed to that segment: the first column of ``relative``; ``end_fractions[1]``
+is then 1 if rows count the rotation of that segment too.
 """
 
 import math
@@ -20,17 +20,19 @@ from studio.core.kernels.search.joints import add_rotation_jacobian
 from studio.core.kernels.tasks.goals import RADIAN_LENGTH
 from studio.core.kernels.tasks.second_order import INEQUALITY_ROW, begin_zero_row
 
-NARROW_CONE = 0.05
-"""Radians of a cone below which a held axis is held in both directions: near its tip no single direction leads out of
-it.
+NARROW_CONE_ANGLE = 0.05
+"""Angle in radians of a cone below which a held axis is held in both directions: near the tip no single direction leads
+out of the cone.
 """
 LEAST_LEAN_SINE = 1e-9
-"""Sine of the lean below which it has no direction."""
+"""Sine of a lean below which the lean has no direction."""
 
 
 @kernel
 def upright_direction(row, pose):
-    """Direction (x, y, z) of the axis: a unit vector, fixed or that of another segment of the body."""
+    """Unit direction (x, y, z) about which a keep-upright task keeps its axis: fixed in the world or in another
+    segment.
+    """
     if row.points[1] < 0:
         goal = row.goal_positions[1]
         return goal[0], goal[1], goal[2]
@@ -44,7 +46,9 @@ def upright_direction(row, pose):
 
 @kernel
 def axis_lean(row, pose):
-    """(radians, (x, y, z)) of the axis' lean from its direction, and the unit axis of the rotation back."""
+    """(lean in radians, (x, y, z)): angle of a task's axis from its direction, and the unit axis of the rotation
+    back.
+    """
     rotation, own, goal = pose.rotations[row.segments[0]], row.offsets[1], upright_direction(row, pose)
     ax = rotation[0, 0] * own[0] + rotation[0, 1] * own[1] + rotation[0, 2] * own[2]
     ay = rotation[1, 0] * own[0] + rotation[1, 1] * own[1] + rotation[1, 2] * own[2]
@@ -63,8 +67,8 @@ def axis_lean(row, pose):
 
 @kernel
 def set_upright_goal(row, direction, cone, start):
-    """Set the allowed tilt at this frame: by activation between the tilt in the unsolved pose ``start`` and the angle
-    of the cone.
+    """Set the allowed lean of a keep-upright task at this frame: by activation between that in the unsolved pose
+    ``start`` and the angle of the ``cone``.
     """
     copy_point(direction, row.goal_positions[1])
     lean, _ = axis_lean(row, start)
@@ -73,13 +77,13 @@ def set_upright_goal(row, direction, cone, start):
 
 @kernel
 def upright_residual(row, pose):
-    """Lean in radians beyond the greatest lean."""
+    """Lean in radians of a keep-upright task beyond its allowed lean."""
     return max(axis_lean(row, pose)[0] - row.goal_distance, 0.0)
 
 
 @kernel
 def follow_upright(row, pose):
-    """Set the goal rotation: the nearest to the present one within the greatest lean."""
+    """Set the goal rotation of a keep-upright task: the nearest to the present one within the allowed lean."""
     lean, (x, y, z) = axis_lean(row, pose)
     beyond, now = max(lean - row.goal_distance, 0.0), rotation_from_matrix(pose.rotations[row.segments[0]])
     write_rotation(compose(rotation_from_vector(beyond * x, beyond * y, beyond * z), now), row.goal_rotation)
@@ -87,7 +91,10 @@ def follow_upright(row, pose):
 
 @kernel
 def add_upright_rows(row, weight_row, is_held, count, problem):
-    """Add a row that tilts a segment of the trunk back; if held, an inequality at the cone, or two rows at its apex."""
+    """Add a row that tilts a segment of the trunk back; returns the new number of rows.
+
+    A held task has an inequality row at the cone instead, or two rows at its apex.
+    """
     rows, pose = problem.search.rows, problem.pose
     lean, (x, y, z) = axis_lean(row, pose)
     residual = row.kept_residual if is_held else 0.0
@@ -96,7 +103,7 @@ def add_upright_rows(row, weight_row, is_held, count, problem):
     if not is_held and beyond <= 0.0:
         return count
     count = add_axis_row((x, y, z), beyond, row, weight_row, count, problem)
-    if is_held and most < NARROW_CONE:
+    if is_held and most < NARROW_CONE_ANGLE:
         goal = upright_direction(row, pose)
         across = y * goal[2] - z * goal[1], z * goal[0] - x * goal[2], x * goal[1] - y * goal[0]
         if beyond < 0.0:
@@ -109,7 +116,7 @@ def add_upright_rows(row, weight_row, is_held, count, problem):
 
 @kernel
 def add_axis_row(axis, angle, row, weight_row, count, problem):
-    """Add a row that rotates the segment of a task about an ``axis`` (x, y, z) by an ``angle``, relative to the segment
+    """Add a row that rotates a task's segment about ``axis`` (x, y, z) by ``angle`` radians, relative to the segment
     that it follows.
     """
     chain, rows = problem.chain, problem.search.rows
@@ -124,5 +131,5 @@ def add_axis_row(axis, angle, row, weight_row, count, problem):
 
 @kernel
 def pin_upright(row, pose):
-    """Pin the task to its lean in ``pose``."""
+    """Set the allowed lean of a keep-upright task to its lean in ``pose``, if that is greater."""
     row.goal_distance = max(row.goal_distance, axis_lean(row, pose)[0])

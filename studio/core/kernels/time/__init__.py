@@ -1,1 +1,1 @@
-"""Relations between frames: activation transitions, and smoothing where single frames have acceleration peaks."""
+"""Kernels that relate frames: activation transitions, and smoothing where single frames have acceleration peaks."""

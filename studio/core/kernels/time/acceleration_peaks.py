@@ -1,9 +1,9 @@
 """Acceleration peaks of solved poses relative to those of the motion (METHOD (36)).
 
-For joints of the search it is the angular acceleration of their rotation away from the motion, for the root that of a
-bone that follows it, for limbs with constraints that of their own joints. ``peaks`` (F, N + 1) has those of the N
-joints at each frame and the greatest of the limbs, in rad/s2. Limbs whose bones rotate in the world well below the
-``allowed_peak`` (1,) are skipped.
+``peaks`` (F, N + 1), in rad/s2 at each frame, has for each of the N joints of the search the angular acceleration of
+its rotation away from the motion, for the root's translation that of a bone that follows the root, and in the last
+column the greatest angular acceleration of the joints of limbs with constraints. Limbs whose bones rotate in the world
+with accelerations well below ``allowed_peak`` (1,) are skipped.
 """
 
 import math
@@ -20,23 +20,23 @@ from studio.core.kernels.compiling import kernel, small_kernel
 from studio.core.kernels.search.joints import ROOT_TRANSLATION
 from studio.core.kernels.tasks.goals import RADIAN_LENGTH
 
-ADDED_PEAK, TOTAL_PEAK = 1.2, 2.0
-"""Fractions of the source's peak that joints of the search may add, and that limbs may have in all, before anything is
-smoothed.
+ADDED_PEAK_FRACTION, TOTAL_PEAK_FRACTION = 1.2, 2.0
+"""Fractions of the source's greatest peak: greatest peak that each joint of the search may add, and greatest peak of
+limbs in all, before anything is smoothed.
 """
-CALM_PEAK = 0.45 * TOTAL_PEAK
-"""Fraction of the source's peak up to which bones of a limb may rotate in the world for its joints to stay below
-``TOTAL_PEAK``: a joint has at most the sum of its bones.
+CALM_PEAK_FRACTION = 0.45 * TOTAL_PEAK_FRACTION
+"""Greatest world acceleration of the bones of a skipped limb, as a fraction of the source's peak. A joint has at most
+the sum of its bones' accelerations, which then is below ``TOTAL_PEAK_FRACTION``.
 """
 
 
 _STRAIGHT = 0.9
-"""Cosine of a rotation up to which its angle is computed by the series of its sine."""
+"""Cosine of an angle above which the angle is computed by the series of its sine."""
 
 
 @small_kernel
 def small_rotation_vector(rotation):
-    """Rotation vector (3 numbers, radians) for angles well below half a turn; faster than ``rotation_vector``."""
+    """Rotation vector (x, y, z) in radians of a rotation well below half a turn; faster than ``rotation_vector``."""
     x, y, z = 0.5 * (rotation[7] - rotation[5]), 0.5 * (rotation[2] - rotation[6]), 0.5 * (rotation[3] - rotation[1])
     cosine = 0.5 * (rotation[0] + rotation[4] + rotation[8] - 1.0)
     squared = x * x + y * y + z * z
@@ -49,13 +49,13 @@ def small_rotation_vector(rotation):
 
 @kernel
 def update_acceleration_peaks(frame, clip):
-    """Write the peaks of the frame before ``frame``; its neighbours are solved."""
+    """Write the acceleration peaks of the frame before ``frame``, whose neighbours are solved."""
     if frame < 2:
         return
     easing, motion, turned = clip.easing, clip.motion, 0.0
     middle, per_second = frame - 1, easing.rate[0] * easing.rate[0]
     write_searched_peaks(middle, clip.constraints.chain.joints, easing.states, per_second, easing.peaks)
-    calm = CALM_PEAK * easing.allowed_peak[0] / per_second
+    calm = CALM_PEAK_FRACTION * easing.allowed_peak[0] / per_second
     for limb in range(4):
         if easing.limbs[limb] and not is_calm(limb, middle, calm * calm, motion.positions, motion.rotations):
             turned = max(turned, limb_acceleration(limb, middle, motion.rotations))
@@ -64,7 +64,10 @@ def update_acceleration_peaks(frame, clip):
 
 @kernel
 def write_smoothed_peaks(joints, states, limbs, rotations, rate, out_peaks):
-    """Write the peaks of all frames from states and ``rotations`` (F, 16, 3, 3) of the limbs' joints, four a limb."""
+    """Write the acceleration peaks (F, N + 1) of all frames, from the states and the rotations of the limbs' joints.
+
+    ``rotations`` (F, 16, 3, 3) are those of joints in their parents, four a limb; ``rate`` in frames a second.
+    """
     for frame in range(1, rotations.shape[0] - 1):
         write_searched_peaks(frame, joints, states, rate * rate, out_peaks)
         most = 0.0
@@ -83,7 +86,7 @@ def write_smoothed_peaks(joints, states, limbs, rotations, rate, out_peaks):
 
 @kernel
 def write_searched_peaks(frame, joints, states, per_second, out_peaks):
-    """Write one frame's acceleration of each joint of a search."""
+    """Write one frame's acceleration peaks of the joints of the search; ``per_second`` is the squared frame rate."""
     for joint in range(joints.shape[0]):
         squared = 0.0
         for axis in range(3):
@@ -97,9 +100,10 @@ def write_searched_peaks(frame, joints, states, per_second, out_peaks):
 
 @kernel
 def segment_peaks(parents, rotations, rate, out_peaks):
-    """Write the greatest angular speed and acceleration of every segment of poses (F, S, 3, 3), (S, 2).
+    """Write the greatest angular speed (rad/s) and acceleration (rad/s2) of every segment over poses (F, S, 3, 3), into
+    (S, 2).
 
-    In rad/s and rad/s2, relative to the parent, or to the world for a segment without one (-1).
+    They are relative to the segment's parent, or to the world for a segment without one (-1).
     """
     for segment in range(parents.shape[0]):
         parent, fastest, most = parents[segment], 0.0, 0.0
@@ -116,7 +120,7 @@ def segment_peaks(parents, rotations, rate, out_peaks):
 
 @small_kernel
 def rotation_at(frame, parent, segment, rotations):
-    """Rotation of a segment at a frame in the axes of its parent, or of the world."""
+    """Rotation tuple of a segment at a frame in the axes of its parent, or of the world if ``parent`` is -1."""
     if parent < 0:
         return rotation_from_matrix(rotations[frame, segment])
     return relative_rotation(rotations[frame, parent], rotations[frame, segment])
@@ -124,10 +128,9 @@ def rotation_at(frame, parent, segment, rotations):
 
 @kernel
 def is_calm(limb, frame, most, positions, rotations):
-    """True if no bone of a limb, nor its hand or foot, has a world angular acceleration above the square root of
-    ``most``.
+    """True if the squared world angular accelerations of a limb's bones and of its hand or foot are at most ``most``.
 
-    In radians a frame squared, by the second differences of their directions.
+    In radians a frame squared, by the second differences of the bones' directions.
     """
     _, upper, root = limb_parts(limb, rotations.shape[1] - SEGMENTS_BESIDE_SPINE)
     for bone in range(3):
@@ -160,7 +163,7 @@ def limb_acceleration(limb, frame, rotations):
 
 @kernel
 def joint_acceleration(frame, parent, segment, rotations):
-    """``angular_acceleration`` of a segment relative to its parent."""
+    """Angular acceleration of a segment relative to its parent at one frame, in radians a frame squared."""
     return angular_acceleration(
         relative_rotation(rotations[frame - 1, parent], rotations[frame - 1, segment]),
         relative_rotation(rotations[frame, parent], rotations[frame, segment]),

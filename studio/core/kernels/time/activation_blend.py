@@ -1,12 +1,13 @@
-"""Activation transitions: solutions are blended there, and not targets (METHOD (31)).
+"""Activation transitions: solutions are blended in them, and not targets (METHOD (31)).
 
 On the straight line from a point to its target a hand may pass its own shoulder, where the arm whirls about, or be out
 of reach after a moment, where elbow and trunk stop at once. So such a frame is solved with all its tasks, then without
-the one of least activation, and so on until the fully active ones are left, and each pose is blended with the one
-before, joint by joint. Tasks of both poses are then restored.
+the one of least activation, and so on until only the fully active ones are left. Each pose is blended with the pose
+before, joint by joint; then the tasks of both poses are restored.
 
-The pose before is ``kept_state`` and ``kept_rotations`` of a ``SearchState``, the pose just solved its ``level_start``
-and ``solved_rotations``, and the blend its ``state`` and ``blended_rotations``; blended residuals are in the tasks.
+In a ``SearchState`` the *saved* pose, that before, is ``kept_state`` and ``kept_rotations``; the pose just solved is
+``level_start`` and ``solved_rotations``; the blend is ``state`` and ``blended_rotations``. Blended residuals are in the
+tasks.
 """
 
 import math
@@ -32,7 +33,7 @@ from studio.core.kernels.body.parts import limb_parts
 from studio.core.kernels.body_indices import POINTS_BESIDE_SPINE
 from studio.core.kernels.compiling import kernel
 from studio.core.kernels.limbs.limb_limits import effective_point
-from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND, NEGLIGIBLE_ERROR
+from studio.core.kernels.limbs.limb_tasks import BLENDED_POSE_KEPT, NEGLIGIBLE_ERROR
 from studio.core.kernels.search.body_placement import pose_body, solve_limbs
 from studio.core.kernels.search.level_step import ALLOWED_VIOLATION
 from studio.core.kernels.search.levels import priority_violation, restore_feasibility, save_task_results
@@ -44,7 +45,7 @@ from studio.core.kernels.tasks.goals import (
     is_position,
     is_rotation,
 )
-from studio.core.kernels.tasks.limb_rows import LIMB_FALLS_SHORT
+from studio.core.kernels.tasks.limb_rows import LIMB_SHORT_RESIDUAL
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.kernels.tasks.task_kinds import residual_of
 from studio.core.kernels.tasks.task_status import (
@@ -56,16 +57,18 @@ from studio.core.kernels.tasks.task_status import (
     pin_to_residual,
 )
 
-DROPPED_IN_KEPT = 2
-"""Value of ``blended_limbs`` for a limb whose task was dropped in the saved pose, while the next is solved."""
+TASK_DROPPED_IN_SAVED_POSE = 2
+"""Value of ``blended_limbs`` for a limb whose task was dropped in the saved pose, while the next pose is solved."""
 
 STRAIGHT_LIMB_TOLERANCE = 0.01
-"""Fraction of its length, short of full extension, from which a limb bends for its goal rather than the trunk."""
+"""Distance of a limb from full extension, as a fraction of its length, from which the limb rather than the trunk bends
+for its goal.
+"""
 
 
 @kernel
 def next_activation(least, frame, tasks, activations):
-    """Least activation above ``least`` of a task in transition; 1 where there is none."""
+    """Least activation, above ``least``, of all tasks with a blended transition at this frame; 1 if there is none."""
     found = 1.0
     for c in range(tasks.shape[0]):
         if least < activations[c, frame] < found and tasks[c].blends:
@@ -75,7 +78,7 @@ def next_activation(least, frame, tasks, activations):
 
 @kernel
 def save_solution(first, problem):
-    """Save a pose to be blended with the next one, and its residuals if it is the ``first``."""
+    """Save the pose just solved, to be blended with the next one; with ``first`` also the residuals of its tasks."""
     tasks, search, pose = problem.tasks, problem.search, problem.pose
     copy_points(search.state, search.kept_state)
     write_limb_joint_rotations(search.kept_rotations, pose)
@@ -85,7 +88,7 @@ def save_solution(first, problem):
         row = tasks[c]
         if first:
             row.blended_residual = residual_of(c, problem) if row.status != INACTIVE else 0.0
-        mark_blended_limbs(row, DROPPED_IN_KEPT, search.blended_limbs)
+        mark_blended_limbs(row, TASK_DROPPED_IN_SAVED_POSE, search.blended_limbs)
 
 
 @kernel
@@ -102,7 +105,7 @@ def write_limb_joint_rotations(out_rotations, pose):
 
 @kernel
 def mark_blended_limbs(row, value, out_blended):
-    """Mark the limbs of a task that is dropped, or in transition, with ``value``."""
+    """Write ``value`` into ``out_blended`` (4,) for the limbs of a task that is dropped, or in transition."""
     if row.status > ACTIVE and not is_balance(row):
         for end in range(2):
             if row.limbs[end] >= 0 and row.limb_weights[end, 0] > 0.0:
@@ -143,9 +146,9 @@ def blend_limb(fraction, limb, search):
 
 @kernel
 def pose_blend(fraction, frame, activations, problem):
-    """Pose the body at ``fraction`` from the pose just solved to the saved one, and hold the tasks of both.
+    """Pose the body between the pose just solved (``fraction`` 0) and the saved one (1), and hold the tasks of both.
 
-    Where they cannot be held in between, the body takes the nearer of both poses.
+    Where they cannot be held in between, the body takes the nearer one of both poses.
     """
     search = problem.search
     blend_residuals(fraction, problem)
@@ -154,7 +157,7 @@ def pose_blend(fraction, frame, activations, problem):
     if exceeds_blended_residuals(problem):
         blend_states(1.0 if fraction >= 0.5 else 0.0, search)
         for limb in range(4):
-            search.blended_limbs[limb] = KEEPS_BLEND
+            search.blended_limbs[limb] = BLENDED_POSE_KEPT
         pose_body(problem)
         for limb in range(4):
             search.blended_limbs[limb] = 0
@@ -162,7 +165,7 @@ def pose_blend(fraction, frame, activations, problem):
 
 @kernel
 def exceeds_blended_residuals(problem):
-    """True if the residual of a held task exceeds the blended one."""
+    """True if the residual of an active task exceeds its blended residual."""
     tasks = problem.tasks
     lost = False
     for c in range(tasks.shape[0]):
@@ -188,7 +191,8 @@ def write_residuals(frame, problem, out_residuals):
 def pose_blended_state(frame, activations, problem):
     """Pose the body from the blended state and limbs, and restore tasks with small blended residuals.
 
-    A task with its own goal is pinned to its blended residual, so that its residual does not depend on tasks below.
+    A task whose goal does not depend on the pose is pinned to its blended residual, so that lower tasks cannot change
+    it.
     """
     tasks, chain, search = problem.tasks, problem.chain, problem.search
     level = chain.weights.shape[0] - tasks.shape[0]
@@ -200,13 +204,13 @@ def pose_blended_state(frame, activations, problem):
         residual = max(row.blended_residual, row.residual_change if both else 0.0) * (
             RADIAN_LENGTH if is_rotation(row) else 1.0
         )
-        if on_edge or (row.status == ACTIVE and row.pinned == UNPINNED and residual > LIMB_FALLS_SHORT):
+        if on_edge or (row.status == ACTIVE and row.pinned == UNPINNED and residual > LIMB_SHORT_RESIDUAL):
             begin_transition(row)
-        mark_blended_limbs(row, KEEPS_BLEND, blended)
+        mark_blended_limbs(row, BLENDED_POSE_KEPT, blended)
         if both and row.status != INACTIVE and not on_edge and has_own_goal(row):
             pin_to_residual(row)
     for limb in range(4):
-        blended[limb] = KEEPS_BLEND if blended[limb] else 0
+        blended[limb] = BLENDED_POSE_KEPT if blended[limb] else 0
     pose_body(problem)
     save_task_results(0, level, problem)
     for c in range(tasks.shape[0]):
@@ -225,7 +229,7 @@ def pose_blended_state(frame, activations, problem):
 
 @kernel
 def restore_blended_tasks(level, problem):
-    """Restore the tasks of the blend; no step is kept that increases the violation."""
+    """Restore the tasks of the blended pose; if that increases the priority violation, the pose stays."""
     search = problem.search
     copy_points(search.state, search.trial_state)
     residual = priority_violation(level, False, problem)
@@ -237,13 +241,14 @@ def restore_blended_tasks(level, problem):
 
 @kernel
 def hold_blended_task(row, problem):
-    """Hold a task of both poses at its goal, or at its blended residual."""
+    """Set the result that a task of both poses keeps: its goal, or its blended residual."""
     search, pose = problem.search, problem.pose
     blended = search.blended_limbs
     pinned = row.pinned != UNPINNED and has_own_goal(row)
     row.kept_residual, left = (0.0, row.blended_residual) if pinned else (row.blended_residual, 0.0)
     fraction = min(
-        max(1.1 * (1.0 - row.kept_residual * (RADIAN_LENGTH if is_rotation(row) else 1.0) / LIMB_FALLS_SHORT), 0.0), 1.0
+        max(1.1 * (1.0 - row.kept_residual * (RADIAN_LENGTH if is_rotation(row) else 1.0) / LIMB_SHORT_RESIDUAL), 0.0),
+        1.0,
     )
     if is_rotation(row):
         now = pose.rotations[row.segments[0]]
@@ -274,8 +279,8 @@ def hold_blended_task(row, problem):
 def update_blended_reach(row, end, holds_end, pose):
     """Limit the extension of a blended limb near full stretch: the straighter it is, the less it extends to its goal.
 
-    With d of its length to spare in the blend, and w at its goal, it keeps d s(w) / s(d) (``soft_positive``); the
-    difference to w is left to the trunk (METHOD (31)).
+    With d metres left to full stretch in the blend, and w at its goal, d s(w) / s(d) are left (``soft_positive``); the
+    trunk covers the difference to w (METHOD (31)).
     """
     root, longest = limb_parts(row.limbs[end], pose.positions.shape[0] - POINTS_BESIDE_SPINE)[2], row.max_reach[end]
     point, goal = effective_point(row, end, row.goal_positions[end], holds_end, pose)
@@ -287,5 +292,5 @@ def update_blended_reach(row, end, holds_end, pose):
 
 @kernel
 def soft_positive(value, edge):
-    """``value`` well above ``edge``, decaying to 0 below, always positive."""
+    """``value`` far above ``edge``, smoothly decaying to 0 for negative values, always positive."""
     return 0.5 * (value + math.sqrt(value * value + 4.0 * edge * edge))

@@ -1,11 +1,14 @@
-"""Frames posed again from smoothed states where solved frames have acceleration peaks (METHOD (36) to (38))."""
+"""Frames posed again from smoothed states, where solved frames have acceleration peaks (METHOD (36) to (38)).
+
+``above`` is the problem whose pose is that of the higher levels at the same frame.
+"""
 
 import math
 
 from studio.core.kernels.algebra.vectors import ZERO_VECTOR, add_vectors, copy_matrix, copy_point, copy_points
 from studio.core.kernels.body.parts import copy_pose
 from studio.core.kernels.compiling import kernel, pack
-from studio.core.kernels.limbs.limb_tasks import KEEPS_BLEND
+from studio.core.kernels.limbs.limb_tasks import BLENDED_POSE_KEPT
 from studio.core.kernels.limits.clearance_tiers import measure_frame_penetration
 from studio.core.kernels.limits.root_reach_limit import limit_root_step
 from studio.core.kernels.limits.self_collision import clear_after_tasks
@@ -25,16 +28,15 @@ from studio.core.kernels.time.activation_blend import (
     write_residuals,
 )
 
-ANY_ACTIVATION = 1e-9
-"""Least positive activation."""
+LEAST_ACTIVATION = 1e-9
+"""Least activation that counts as positive."""
 SMOOTHING_VIOLATION = 0.75 * PRIORITY_TOLERANCE
-"""Greatest change, in metres or radians, of a residual above by the smoothing of a level."""
+"""Greatest change, in metres or radians, of a higher task's residual by the smoothing of a level."""
 
 
 @kernel
 def pose_smoothed(frame, waited, clip, problem):
-    """Apply the smoothed state of a frame, solve the higher levels again to their final poses, and report all
-    residuals.
+    """Pose a frame from its smoothed state, restore the results of the higher levels, and report all residuals.
 
     ``waited`` is true if self-collision constraints wait for tasks.
     """
@@ -57,9 +59,9 @@ def pose_smoothed(frame, waited, clip, problem):
 
 @kernel
 def pose_and_hold(frame, solves_again, waited, clip, problem, above):
-    """Pose the body from its smoothed state, and hold the levels above; the priority violation.
+    """Pose the body from its smoothed state, and hold the results of the higher levels; returns the priority violation.
 
-    The level is solved again (``solves_again``) as far as possible, or stays as it was smoothed.
+    With ``solves_again`` the tasks of the level are solved again as far as possible, otherwise they stay as smoothed.
     """
     tasks, activations = problem.tasks, clip.constraints.activations[-1]
     residuals, level = clip.easing.residuals, clip.easing.level[0]
@@ -80,8 +82,8 @@ def pose_and_hold(frame, solves_again, waited, clip, problem, above):
 
 @kernel
 def back_track_smoothing(violation, frame, waited, clip, problem, above):
-    """Back-track from the smoothed pose to that of the levels above until these are not violated, in the
-    end to zero.
+    """Back-track from the smoothed pose towards that of the higher levels until their results are not violated, if need
+    be completely.
     """
     search, backtracking = problem.search, problem.search.backtracking[0]
     copy_points(search.state, search.level_start)
@@ -108,13 +110,13 @@ def pose_from_higher_levels(frame, clip, problem, above):
 
 @kernel
 def smoothing_violation(frame, clip, problem, above):
-    """Greatest change of a residual above the level, metres or radians.
+    """Greatest change of a residual of the higher levels by the smoothing, metres or radians.
 
     In transitions reported residuals are blended, so that residuals are compared with those of the pose ``above``.
     """
     tasks, activations, residuals = problem.tasks, clip.constraints.activations[-1], clip.easing.residuals
     clearance, level = clip.clearance, clip.easing.level[0]
-    set_goals(ANY_ACTIVATION, frame, activations, clip.constraints, problem)
+    set_goals(LEAST_ACTIVATION, frame, activations, clip.constraints, problem)
     edges = has_transition(frame, tasks, activations)
     for row in tasks:
         row.engaged = 0
@@ -140,7 +142,7 @@ def smoothing_violation(frame, clip, problem, above):
 
 @kernel
 def report_residuals(frame, clip, problem):
-    """Report the residuals of all tasks; in transitions the blended ones, for all tasks above the level."""
+    """Report the residuals of all tasks of a frame; in transitions the blended ones for tasks of higher levels."""
     tasks, activations, residuals = problem.tasks, clip.constraints.activations[-1], clip.easing.residuals
     restore_goals(frame, activations, clip.constraints, problem)
     edges = has_transition(frame, tasks, activations)
@@ -154,13 +156,13 @@ def report_residuals(frame, clip, problem):
 
 @kernel
 def has_transition(frame, tasks, activations):
-    """True if any task is in a blended transition (``kernels.time.activation_blend``)."""
+    """True if any task is in a blended activation transition."""
     return next_activation(0.0, frame, tasks, activations) < 1.0
 
 
 @kernel
 def pin_task(c, is_contact, above):
-    """Pin a task, or a contact, to its result in the pose ``above``."""
+    """Pin task ``c``, which may be a contact, to its result in the pose ``above``."""
     row, search = above.tasks[c], above.search
     pin_to_residual(row)
     row.blended_residual, row.residual_change = 0.0, 0.0
@@ -168,12 +170,12 @@ def pin_task(c, is_contact, above):
     for end in range(2):
         limb = row.limbs[end]
         if not is_balance(row) and limb >= 0 and row.limb_weights[end, 0] > 0.0 and not (is_contact and limb >= 2):
-            search.blended_limbs[limb] = KEEPS_BLEND  # legs that stand are placed on their ankles
+            search.blended_limbs[limb] = BLENDED_POSE_KEPT  # legs that stand are placed on their ankles
 
 
 @kernel
 def write_limited_state(state, most, out_state):
-    """Write the state of a joint (3,), limited to its limit at this frame."""
+    """Write the state of a joint (3,), shortened to its limit ``most`` at this frame."""
     size = math.sqrt(state[0] * state[0] + state[1] * state[1] + state[2] * state[2])
     fraction = most / size if size > most else 1.0
     for axis in range(3):
@@ -182,7 +184,7 @@ def write_limited_state(state, most, out_state):
 
 @kernel
 def limit_smoothed_root(problem):
-    """Move the root back to where planted feet are in reach."""
+    """Move the root back to within the reach of planted feet."""
     search, root = problem.search, problem.chain.joint_of_segment[-1]
     if root < 0:
         return
@@ -195,7 +197,7 @@ def limit_smoothed_root(problem):
 
 @kernel
 def restore_goals(frame, activations, constraints, problem):
-    """Restore the goals that tasks had before smoothing, to report their residuals."""
+    """Restore the goals that tasks had before the smoothing, to report their residuals."""
     tasks = problem.tasks
     set_goals(1.0, frame, activations, constraints, problem)
     for c in range(tasks.shape[0]):

@@ -1,1 +1,1 @@
-"""Constraints as arrays for the kernels: targets, chains, tasks and self-contact."""
+"""Constraints as arrays for the kernels: targets, chains, task records and self-contact."""

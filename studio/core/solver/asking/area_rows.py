@@ -1,5 +1,5 @@
-"""Restricted areas as rows of numbers for ``kernels.tasks.area_shapes``, and the nearest allowed position
-of a point.
+"""Restricted areas as rows of numbers for ``kernels.tasks.area_shapes``, and the nearest allowed position of a
+point.
 """
 
 import numpy as np
@@ -13,6 +13,7 @@ from studio.core.rotations import rotations_about_z, to_matrix
 FloatArray = NDArray[np.float64]
 
 AREA_ORIGIN, UPRIGHT = np.zeros(3), np.eye(3)
+"""Default position and rotation of an area."""
 
 _SHAPES = {
     AreaShape.HALF_SPACE: area_shapes.HALF_SPACE_SHAPE,
@@ -27,9 +28,9 @@ _SHAPES = {
 def area_row(
     constraint: AreaConstraint, centre: FloatArray = AREA_ORIGIN, rotation: FloatArray = UPRIGHT
 ) -> FloatArray:
-    """Row (18,) of an area for ``kernels.tasks.area_shapes``, followed by its distance field for a mesh.
+    """Row (n,) of an area in the columns of ``kernels.tasks.area_shapes``; the distance field of a mesh follows them.
 
-    The kernel moves it frame by frame (``place_area``).
+    The kernel moves the area frame by frame (``place_area``).
     """
     shape = _SHAPES[constraint.shape]
     side = (
@@ -47,7 +48,7 @@ def area_row(
 
 
 def fixed_rotation(constraint: AreaConstraint) -> FloatArray:
-    """Rotation (3, 3) of the shape of a fixed area; the normal of a half-space is its tilt."""
+    """Rotation (3, 3) of a fixed area; that of a half-space takes x to its normal."""
     heading = rotations_about_z(np.array(constraint.heading))
     if constraint.shape is AreaShape.HALF_SPACE:
         return heading
@@ -55,6 +56,6 @@ def fixed_rotation(constraint: AreaConstraint) -> FloatArray:
 
 
 def nearest_allowed_position(constraint: AreaConstraint, point: ArrayLike) -> FloatArray:
-    """Nearest allowed position (3,) in metres of ``point`` (3,) for a fixed area."""
+    """Position (3,) in metres nearest to ``point`` (3,) that a fixed area allows."""
     row = area_row(constraint, np.array(constraint.centre), fixed_rotation(constraint))
     return np.array(area_shapes.nearest_allowed_point(row, np.array(point, dtype=np.float64))[1])

@@ -1,4 +1,4 @@
-"""Joints of a constraint's chain: their weights and limits for ``kernels.search``."""
+"""Joints that a constraint's chain may move, with their weights and limits, for ``kernels.search``."""
 
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, lru_cache
@@ -17,50 +17,54 @@ from studio.core.solver.asking.points import limb_of
 FloatArray = NDArray[np.float64]
 
 ROOT_WEIGHT = 0.15
-"""Weight of the root's translation relative to one vertebra's rotation (square metres)."""
+"""Weight of the root's translation, in square metres, relative to that of one vertebra's rotation."""
 JOINT_WEIGHTS = {**dict.fromkeys(CLAVICLES, 4.0), **dict.fromkeys(UPPER_ARMS, 30.0), **dict.fromkeys(THIGHS, 5.0)}
-"""Weights of other joints than vertebrae (METHOD 9). Those of shoulders and hips are for the redundant arms and legs of
-a balance, in proportion to their masses.
+"""Weights of joints relative to a vertebra (METHOD 9). Those of shoulders and hips, for the redundant limbs of a
+balance, are in proportion to the limbs' masses.
 """
 VERTEBRA_LIMIT, CLAVICLE_LIMIT, NECK_LIMIT = 0.5, 0.35, 0.7
+"""Greatest rotation of vertebrae, clavicles, neck and head away from the motion, in radians."""
 SHOULDER_LIMIT, HIP_LIMIT = 0.7, 0.4
-"""Greatest rotation of a joint away from the motion, in radians."""
+"""Greatest rotation of a redundant limb's shoulder or hip away from the motion, in radians."""
 
 
 @dataclass(frozen=True, eq=False)
 class ChainJoints:
-    """Joints with a weight in at least one chain, the input of ``kernels.search.joints``: N joints, C chains, L levels,
-    S segments.
-
-    ``weights`` (C + L, N) of each chain, then of each level with all above it; ``joints`` (N,); ``joint_of_segment`` (S
-    + 1,); ``limits`` (N,) the tangent of half the greatest angle. ``recruited`` (n,) are the indices of shoulders and
-    hips among them, of the ``limbs`` (n,).
-    """
+    """Joints that at least one chain may move: N joints, C chains, L levels, S segments."""
 
     weights: FloatArray
+    """(C + L, N) joint weights of each chain, then of each level together with all levels above it."""
     joints: NDArray[np.void]
+    """(N,) records of ``SEARCH_JOINT``."""
     joint_of_segment: NDArray[np.int64]
+    """(S + 1,) index of the joint of each segment, then that of the root's translation; -1 for none."""
     limits: FloatArray
+    """(N,) tangent of half the greatest angle of each joint."""
     recruited: NDArray[np.int64]
+    """(n,) indices of shoulders and hips among the joints."""
     limbs: NDArray[np.int64]
+    """(n,) limb of each of these shoulders and hips."""
 
     @cached_property
     def nominal_weights(self) -> FloatArray:
-        """Weights (C + L + 1, n) and, last, limits of the redundant joints at full availability."""
+        """Weights (C + L + 1, n) of the redundant limbs' joints at full availability, with their limits as last row."""
         return np.ascontiguousarray(np.vstack([self.weights, np.nan_to_num(self.limits)])[:, self.recruited])
 
     @property
     def kernel_weights(self) -> records.JointWeights:
-        """Copy for the kernels, which write the availability of limbs at a frame into weights and limits."""
+        """Copy as a record for the kernels, which write the availability of limbs at a frame into it."""
         return records.JointWeights(self.weights.copy(), self.joints, self.joint_of_segment, self.limits.copy())
 
     @property
     def without_limits(self) -> "ChainJoints":
+        """Copy without limits of the joints."""
         return replace(self, limits=np.full_like(self.limits, np.inf))
 
 
 def relevant_chain(constraint: Constraint) -> Chain:
-    """Chain of a constraint without useless joints: for a position on a limb, without the clavicles of other limbs."""
+    """Chain of a constraint without joints that cannot help it: for a position on a limb, without the other
+    clavicles.
+    """
     alone = isinstance(constraint, PositionConstraint) and not isinstance(constraint.target, FollowBody)
     limb = limb_of(constraint.point.part)
     return _without_clavicles(constraint.chain, limb) if alone and limb >= 0 else constraint.chain
@@ -68,6 +72,7 @@ def relevant_chain(constraint: Constraint) -> Chain:
 
 @lru_cache(maxsize=256)
 def _without_clavicles(chain: Chain, limb: int) -> Chain:
+    """Chain without weights of the clavicles, except that of ``limb`` and those that the chain names."""
     named = {part for part, _ in chain.segments}
     idle = [clavicle for side, clavicle in enumerate(CLAVICLES) if side != limb and clavicle not in named]
     return replace(chain, segments=(*chain.segments, *((clavicle, 0.0) for clavicle in idle)))
@@ -75,7 +80,7 @@ def _without_clavicles(chain: Chain, limb: int) -> Chain:
 
 @lru_cache(maxsize=256)
 def joints_of_chains(chains: tuple[Chain, ...], ranks: tuple[int, ...], layout: BodyLayout) -> ChainJoints:
-    """Joints of pelvis, spine, clavicles, neck, head, redundant limbs and root translation that ``chains`` free.
+    """Joints that ``chains`` free: pelvis, spine, clavicles, neck, head, redundant limbs and root translation.
 
     ``ranks`` (C,) are the levels of the chains' constraints.
     """
@@ -109,13 +114,17 @@ def joints_of_chains(chains: tuple[Chain, ...], ranks: tuple[int, ...], layout: 
 
 
 def _weight(chain: Chain, part: BodyPart) -> float:
-    """Weight of a joint in a chain; limbs are solved in closed form, except the redundant limbs of a balance."""
+    """Weight of a part's joint in a chain. Limbs have none, because they are solved in closed form, except for a
+    balance.
+    """
     return chain.recruited(part) if part in (*UPPER_ARMS, *THIGHS) else chain.weight(part)
 
 
 @cache
 def segment_masses(layout: BodyLayout) -> FloatArray:
-    """Mass fraction and position of the centre of mass along each segment, (S, 2) (de Leva 1996, male; METHOD 11)."""
+    """(S, 2) mass fraction of each segment, and position of its centre of mass along the segment (de Leva 1996, male;
+    METHOD 11).
+    """
     masses = np.zeros((layout.segment_count, 2))
     k = layout.spine_count
     masses[:k] = [0.3229 / (k - 1), 0.5]
@@ -130,7 +139,7 @@ def segment_masses(layout: BodyLayout) -> FloatArray:
 
 @cache
 def point_masses(layout: BodyLayout) -> FloatArray:
-    """Mass fractions (P,) of points that give the same centre of mass."""
+    """Mass fractions (P,) of the body's points with the same centre of mass as ``segment_masses``."""
     points, (fractions, along) = np.zeros(layout.point_count), segment_masses(layout).T
     np.add.at(points, list(layout.proximal_points()), fractions * (1.0 - along))
     np.add.at(points, list(layout.distal_points()), fractions * along)

@@ -21,13 +21,13 @@ from studio.core.project_cache import project_cache
 from studio.core.solver.request import AdaptedMotion
 
 if TYPE_CHECKING:
-    from studio.core.solver.standing.stand import GroundedMotion
+    from studio.core.solver.grounding.grounded_motion import GroundedMotion
 
 FloatArray = NDArray[np.float64]
 
 
 def lowest_first(constraints: Sequence[Constraint]) -> list[int]:
-    """Rows of the self-collision constraints, the highest last."""
+    """Indices of the self-collision constraints among ``constraints``, the highest priority last."""
     clear = [(row, each) for row, each in enumerate(constraints) if isinstance(each, ClearConstraint)]
     clear.sort(key=lambda pair: (-pair[1].priority, pair[1].margin, pair[1].arms, pair[1].name))
     return [row for row, _ in clear]
@@ -42,11 +42,12 @@ def pack_clearance(
     standing: "GroundedMotion",
     window: slice,
 ) -> ClearanceArrays:
-    """Arrays of Q self-collision constraints for the kernels, which write residuals into ``misses`` (Q, F).
+    """``ClearanceArrays`` of Q self-collision constraints for the kernels, which write residuals into ``misses`` (Q,
+    F).
 
     ``activations`` (Q, F) in the ``window`` of frames. The first ``held`` of the ``others`` are contacts and have a
-    higher level, as do those of the same or a higher priority. An unknown actor counts as always touching itself; an
-    unknown volume is the typical one.
+    higher level, as do those of the same or a higher priority. Without a known actor, no clearance is inherited;
+    without a volume of the body, the typical one is used.
     """
     if not clears:
         return _no_clearance(len(others))
@@ -80,13 +81,15 @@ def pack_clearance(
 
 
 def _tiers(clears: list[int], others: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Tiers of ``clearance_tiers`` by priority: 0 down to the highest of ``clears``, then one each."""
+    """Priority tier of each of ``clears`` and ``others``, given their priorities: 0 down to the highest of ``clears``,
+    then one each.
+    """
     priorities = np.maximum(np.concatenate([clears, others]), min(clears))
     return np.asarray(np.searchsorted(np.unique(priorities), priorities), dtype=np.int64)
 
 
 def activations_by_tier(activations: FloatArray, clearance: ClearanceArrays) -> FloatArray:
-    """``activations`` (C, F) for the kernels, (K, C, F): of the tasks down to each of K tiers."""
+    """Activations (K, C, F) of the tasks down to each of K priority tiers, from ``activations`` (C, F)."""
     tiers = clearance.tiers
     others = tiers[len(tiers) - len(activations) :]
     return np.where(others[:, None] <= np.arange(tiers.max() + 1)[:, None, None], activations, 0.0)
@@ -94,7 +97,7 @@ def activations_by_tier(activations: FloatArray, clearance: ClearanceArrays) -> 
 
 @cache
 def _no_clearance(others: int) -> ClearanceArrays:
-    """Arrays without self-collision constraints."""
+    """``ClearanceArrays`` without self-collision constraints, for a number of ``others``."""
     volume = BodyVolume(np.empty((0, 2), np.int64), np.empty((0, 2, 3)), np.empty((0, 2)), np.empty(0))
     none, clearances = np.empty((0, 0)), np.empty((0, 2, len(ARM_PROBES)))
     above = np.empty((0, others), np.int64)
@@ -110,20 +113,22 @@ def _no_clearance(others: int) -> ClearanceArrays:
 
 
 def arm_distances(adapted: AdaptedMotion) -> FloatArray:
-    """Signed distances (F, 2, 5) in metres from each probe of both arms to the body, negative inside."""
+    """Signed distances (F, 2, 5) in metres of both arms' probes from the body, negative inside."""
     volume = adapted.volume or usual_volume(adapted.morphology)
     return clearances_of(adapted.morphology, volume, adapted.positions[:], adapted.rotations[:])[0]
 
 
 @project_cache(maxsize=8)
 def actor_clearances(motion: NormalizedMotion, actor: Morphology) -> tuple[FloatArray, FloatArray]:
-    """Signed distances of the captured actor, and the outward directions of its body (F, 2, 5, 3)."""
+    """Signed distances (F, 2, 5) in metres of the captured actor's arms from its body, and outward directions (F, 2, 5,
+    3).
+    """
     return clearances_of(actor, usual_volume(actor), *realize_motion(motion, actor, play=True))
 
 
 @project_cache(maxsize=64)
 def rest_clearances(body: Morphology, volume: BodyVolume) -> FloatArray:
-    """Signed distances (2, 5) of a body in its rest pose, where a thick arm may be inside."""
+    """Signed distances (2, 5) in metres of a body's arms in its rest pose, where a thick arm may be inside."""
     positions, rotations = rest_pose(body)
     found, _ = clearances_of(body, volume, positions[None], rotations[None])
     return np.asarray(found[0])
@@ -132,7 +137,9 @@ def rest_clearances(body: Morphology, volume: BodyVolume) -> FloatArray:
 def clearances_of(
     body: AnyMorphology, volume: BodyVolume, positions: FloatArray, rotations: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Signed distances (F, 2, 5) of posed frames (F, P, 3), (F, S, 3, 3), and outward directions (F, 2, 5, 3)."""
+    """Signed distances (F, 2, 5) of the arms of posed frames (F, P, 3), (F, S, 3, 3), and outward directions (F, 2, 5,
+    3).
+    """
     found = np.empty((len(positions), 2, len(ARM_PROBES)))
     displacements = np.empty((*found.shape, 3))
     kernel.measure_clip_distances(
@@ -142,5 +149,5 @@ def clearances_of(
 
 
 def packed_volume(volume: BodyVolume) -> CapsuleArrays:
-    """A volume as record for the kernels."""
+    """``CapsuleArrays`` of a body volume for the kernels."""
     return CapsuleArrays(volume.segments, volume.places, volume.radii, volume.girths)

@@ -1,4 +1,4 @@
-"""Contacts of hands, knees and seat as constraints above all of the user's."""
+"""Contacts of hands, knees and seat as constraints of a higher priority than all of the user's."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,40 +15,45 @@ from studio.core.constraints.base import BodyPoint, Chain, Constraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.curves.activation import ActivationCurve
-from studio.core.kernels import layout as at
+from studio.core.kernels import measure_columns as measure
 from studio.core.kernels import records
 from studio.core.kernels.support.body_settling import place_arms
 from studio.core.solver.asking.task_rows import TaskRecords
-from studio.core.solver.standing.blends import release_weight
-from studio.core.solver.standing.body_support import GroundContact, track_of
-from studio.core.solver.standing.footing import Footing
-from studio.core.solver.standing.settling import ArmStance
+from studio.core.solver.grounding.body_support import GroundContact, track_of
+from studio.core.solver.grounding.contact_blending import release_weight
+from studio.core.solver.grounding.contact_settling import ArmStance
+from studio.core.solver.grounding.footing import Footing
 
 FloatArray = NDArray[np.float64]
 
 CONTACT_CHAIN = Chain(trunk=1.0, root=1.0)
+"""Chain of contacts: trunk and root."""
 HAND_CHAIN = Chain(clavicle=0.0, end_segment=1.0)
+"""Chain of a hand's orientation in contact: the hand alone."""
 CONTACT_ACTIVATION = ActivationCurve(0.0, 0.0, 0.0, 0.0)
+"""Activation curve of contacts; their frames are written by ``write_contact_targets``."""
 
 
 @dataclass(frozen=True, eq=False)
 class ContactConstraint:
-    """Generated constraint, the frames of its contact (F,), and the positions (F, 3) and rotations (F, 3, 3) that it
-    keeps.
-    """
+    """Generated constraint of a contact, and the pose that it keeps."""
 
     constraint: Constraint
     standing: NDArray[np.bool_]
+    """(F,) True in contact."""
     places: FloatArray
+    """(F, 3) target positions, metres."""
     turns: FloatArray
+    """(F, 3, 3) target rotations."""
 
 
 def contact_constraints(
     holds: Sequence[GroundContact], footing: Footing, body: AnyMorphology, positions: PoseArray, rotations: PoseArray
 ) -> list[ContactConstraint]:
-    """Constraints that keep all contacts at their positions on the grounded body, ``positions`` (F, P, 3),
-    ``rotations``. A leg with contacts at knee and foot keeps both: a hip at its limits would rotate the one about
-    the other.
+    """Constraints that keep all contacts where they are on the grounded body with ``positions`` (F, P, 3) and
+    ``rotations``.
+
+    A leg with contacts at knee and foot has one for each: a hip at its limits would rotate the one about the other.
     """
     found = []
     for hold in holds:
@@ -95,18 +100,20 @@ def contact_constraints(
 
 
 def _part(point: ContactPoint, bone: str) -> BodyPart:
+    """Body part ``bone`` on the side of a contact point."""
     return BodyPart(f"{('left', 'right')[point.side]}_{bone}")
 
 
 def _body_point(point: ContactPoint, body: AnyMorphology) -> BodyPoint:
+    """Point of the body that a contact point holds."""
     if point is ContactPoint.SEAT:
-        middle = body.rows[0, at.MEASURE_HIP_OFFSET : at.MEASURE_LEG].reshape(2, 3).mean(axis=0)
+        middle = body.rows[0, measure.HIP_OFFSET : measure.LEG].reshape(2, 3).mean(axis=0)
         return BodyPoint(BodyPart.PELVIS, tuple(middle.tolist()))
     return BodyPoint(_part(point, "forearm" if point.member == "hand" else "thigh"), at_end=True)
 
 
 def write_contact_targets(rows: TaskRecords, held: Sequence[ContactConstraint], window: slice) -> None:
-    """Write the targets of contact constraints, the first of the packed tasks, in the frames of ``window``."""
+    """Write the targets of contact constraints in the frames of ``window``; they are the first of the packed tasks."""
     for row, each in enumerate(held):
         rows.positions[row], rows.rotations[row] = each.places[window], each.turns[window]
 
@@ -121,10 +128,9 @@ def release_hands(
     positions: FloatArray,
     rotations: FloatArray,
 ) -> None:
-    """Blend arms that are about to touch the ground, or have just left it, between their constraints and their
-    contacts.
+    """Blend arms between their constraints and their ground contacts, shortly before a contact and after it.
 
-    ``positions`` (F, P, 3) and ``rotations`` of the window's frames, in place.
+    ``positions`` (F, P, 3) and ``rotations`` of the window's frames are changed in place.
     """
     layout = body.layout
     wrists, hands = arms.wrists[:, window].copy(), arms.hands[:, window].copy()

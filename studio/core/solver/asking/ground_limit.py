@@ -1,4 +1,4 @@
-"""Position targets below the ground: the ground stands above every constraint, so their points stay on it.
+"""Position targets below the ground: they are raised to it, because the ground comes before every constraint.
 
 A point may be as low as in the unconstrained motion, or as low as its foot allows.
 """
@@ -10,7 +10,7 @@ from studio.core.body.canonical import BodyLayout
 from studio.core.body.morphology import AnyMorphology, at_frames, sole_rows
 from studio.core.constraints.base import Constraint
 from studio.core.solver.asking.points import limb_of, point_indices
-from studio.core.solver.standing.stand import GroundedMotion
+from studio.core.solver.grounding.grounded_motion import GroundedMotion
 
 FloatArray = NDArray[np.float64]
 
@@ -18,8 +18,8 @@ FloatArray = NDArray[np.float64]
 def target_above_ground(
     constraint: Constraint, target: FloatArray, standing: GroundedMotion, window: slice
 ) -> FloatArray:
-    """Target positions (F or 1, 3) in metres, raised to the least height of their point; ``target`` itself if none
-    is below that.
+    """Target positions (F or 1, 3) in metres, raised to the least height of their point; ``target`` itself if none is
+    too low.
     """
     ground, body = standing.ground, standing.morphology
     origin, segment = point_indices(constraint.point, body.layout)
@@ -34,7 +34,9 @@ def target_above_ground(
 
 
 def least_height(constraint: Constraint, body: AnyMorphology, window: slice) -> FloatArray:
-    """Least height (F or 1,) in metres of a point above the ground: that of an ankle or ball over a level sole."""
+    """Least height (F or 1,) in metres of a constrained point above the ground; an ankle or ball is above a level
+    sole.
+    """
     limb, layout = limb_of(constraint.point.part), body.layout
     origin = point_indices(constraint.point, layout)[0]
     if limb < 2 or any(constraint.point.offset):
@@ -51,7 +53,7 @@ def _height_over_sole(point: int, side: int, layout: BodyLayout, measures: Float
 
 
 def ground_planes(standing: GroundedMotion, window: slice) -> FloatArray:
-    """Planes (4, F or 1, 3) of the ground under the end of each limb in the unconstrained motion, z = a + b x + c y."""
+    """Planes z = a + b x + c y (4, F or 1, 3) of the ground under the unconstrained end of each limb, metres."""
     ground, layout = standing.ground, standing.morphology.layout
     if ground.is_level:
         return np.broadcast_to(np.array([ground.height, 0.0, 0.0]), (4, 1, 3)).copy()

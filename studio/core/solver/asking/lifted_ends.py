@@ -1,6 +1,6 @@
-"""Feet and hands that constraints take into the ground rotate out of it about ankle and wrist (METHOD 7).
+"""Feet and hands that constraints take into the ground are rotated out of it about ankle and wrist (METHOD 7).
 
-Ankle and wrist stay, so that targets there are still met. Frames are independent of each other.
+Ankle and wrist stay, so that their targets are still met. Frames are independent of each other.
 """
 
 from collections.abc import Iterable, Sequence
@@ -17,26 +17,32 @@ from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.target import follows_of
 from studio.core.grounds.ground import Ground
 from studio.core.solver.asking.points import limb_of
-from studio.core.solver.standing.blends import smooth_penetrations
-from studio.core.solver.standing.held_foot import FootPath
-from studio.core.solver.standing.stand import GroundedMotion
-from studio.core.solver.standing.tipping import heights_of, tipped, tipped_about_ankle
+from studio.core.solver.grounding.contact_blending import smooth_penetrations
+from studio.core.solver.grounding.foot_tipping import ankle_tip_rotations, heights_of, tip_rotations
+from studio.core.solver.grounding.grounded_motion import GroundedMotion
+from studio.core.solver.grounding.held_foot import FootPath
 
 FloatArray = NDArray[np.float64]
 
-END_MARGIN = 0.05
-"""Greatest height above the ground, in metres, below which a foot or hand begins to rise; 3/16 of it is kept."""
+END_MARGIN_METRES = 0.05
+"""Height above the ground in metres below which a foot or hand begins to rise; at ground height it is raised by 3/16 of
+this.
+"""
 END_TOLERANCE = 1e-4
-"""Depth in metres that is left to a foot or hand which touches the ground before the constraints."""
+"""Penetration in metres that is left to a foot or hand which touches the ground before the constraints."""
 NEGLIGIBLE_END_RISE = 1e-6
-"""Metres up to which a rise is left out: a limb that stays has them by rounding."""
+"""Rise in metres that is ignored: rounding alone causes it in a limb that stays."""
 END_ROTATIONS = 2
-"""Iterations of the rotation of an end segment: its points rise less as it comes level."""
+"""Iterations of the rotation of a foot: its points rise less as it becomes level."""
 END_PARTS = tuple(BodyPart(f"{side}_{part}") for side in ("left", "right") for part in ("hand", "foot", "toe"))
+"""Hands, feet and toes."""
 
 
 def constrained_ends(constraints: Sequence[Constraint], activations: FloatArray) -> FloatArray:
-    """Activations (4, F) of constraints, (C, F), on the end segment of each limb itself."""
+    """Activations (4, F) of those ``constraints`` that constrain the hand or foot of each limb itself.
+
+    ``activations`` (C, F) are those of the constraints.
+    """
     asked = np.zeros((4, activations.shape[1]))
     for constraint, activation in zip(constraints, activations, strict=True):
         for part in {constraint.point.part, *_followed_parts(constraint)}.intersection(END_PARTS):
@@ -46,13 +52,14 @@ def constrained_ends(constraints: Sequence[Constraint], activations: FloatArray)
 
 
 def _followed_parts(constraint: Constraint) -> Iterable[BodyPart]:
+    """Parts of the own body that a constraint follows."""
     return (follow.point.part for follow in follows_of(constraint) if isinstance(follow, FollowBody))
 
 
 def lift_ends(
     standing: GroundedMotion, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray
 ) -> None:
-    """Rotate hands and feet of solved frames of a ``window``, (F, P, 3) and (F, S, 3, 3), in place.
+    """Rotate hands and feet of solved frames of a ``window``, (F, P, 3) and (F, S, 3, 3), out of the ground, in place.
 
     Each rises, by its weight ``free`` (4, F), where it is lower above the ground than before the constraints, and at
     most until it is level.
@@ -69,7 +76,7 @@ def lift_ends(
             rises = _rises(heights, hand.tip_heights(ground, before[0]), free[side])
             if rises.any():
                 fingers = positions[:, hand.joint + 1] - positions[:, hand.joint]
-                hand.rotate(tipped(fingers, np.minimum(rises, np.maximum(-fingers[:, 2], 0.0))), *solved)
+                hand.rotate(tip_rotations(fingers, np.minimum(rises, np.maximum(-fingers[:, 2], 0.0))), *solved)
         measures = at_frames(sole_rows(body, side), window)
         heights = heights_of(foot.path(*solved), measures, ground)
         if not is_below_goal(heights):
@@ -82,18 +89,22 @@ def lift_ends(
                 rises = without_negligible_rises(goals - heights)
             if not rises.any():
                 break
-            foot.rotate(tipped_about_ankle(foot.path(*solved), measures, heights, rises), *solved)
+            foot.rotate(ankle_tip_rotations(foot.path(*solved), measures, heights, rises), *solved)
 
 
 def is_below_goal(heights: FloatArray) -> bool:
-    """True if any of the ``heights`` (..., F) is below its goal, for any heights before the constraints."""
-    return bool((heights < END_MARGIN).any())
+    """True if any of the ``heights`` (..., F) in metres is so low that the point may have to rise."""
+    return bool((heights < END_MARGIN_METRES).any())
 
 
 def _rises(heights: FloatArray, before: FloatArray, free: FloatArray) -> FloatArray:
-    """Metres (..., F) by which points at ``heights`` rise: to the ground, or to those ``before`` the constraints."""
+    """Rises (..., F) in metres of points at ``heights``: to the ground, or to their heights ``before`` the
+    constraints.
+    """
     least = np.minimum(before, 0.0) - END_TOLERANCE
-    return without_negligible_rises(free * smooth_penetrations(heights - least, np.minimum(before - least, END_MARGIN)))
+    return without_negligible_rises(
+        free * smooth_penetrations(heights - least, np.minimum(before - least, END_MARGIN_METRES))
+    )
 
 
 def without_negligible_rises(rises: FloatArray) -> FloatArray:
@@ -102,25 +113,26 @@ def without_negligible_rises(rises: FloatArray) -> FloatArray:
 
 
 class LimbEnd(NamedTuple):
-    """Hand or foot: the point of its ``joint``, its ``segment``, and the number of its points, which is that of its
-    segments.
-    """
+    """Hand, or foot and toe, in the arrays of a body."""
 
     joint: int
+    """Index of the point of wrist or ankle."""
     segment: int
+    """Index of the segment of hand or foot."""
     part_count: int
+    """Number of segments, and of points beyond the joint."""
 
     def tip_heights(self, ground: Ground, positions: PoseArray) -> FloatArray:
-        """Heights (F,) in metres of its first point above the ground."""
+        """Heights (F,) in metres above the ground of the first point beyond the joint."""
         tips = positions[:, self.joint + 1]
         return np.asarray(tips[:, 2] - ground.height_at(tips))
 
     def path(self, positions: PoseArray, rotations: PoseArray) -> FootPath:
-        """Path of a foot."""
+        """Path of the foot in posed frames."""
         return FootPath(positions[:, self.joint], rotations[:, self.segment], rotations[:, self.segment + 1])
 
     def rotate(self, turns: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
-        """Rotate it by ``turns`` (F, 3, 3) about its joint, in place."""
+        """Rotate hand or foot about its joint by ``turns`` (F, 3, 3), in place."""
         points, segments = (
             slice(at + 1 - of, at + 1 - of + self.part_count) for at, of in ((self.joint, 0), (self.segment, 1))
         )

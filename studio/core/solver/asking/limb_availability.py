@@ -1,4 +1,4 @@
-"""Availability of redundant arms and legs to a balance, and their limits (METHOD 11)."""
+"""Availability of arms and legs as redundant limbs of a balance, and their limits (METHOD 11)."""
 
 from collections.abc import Sequence
 
@@ -10,7 +10,7 @@ from studio.core.captures.contacts import ContactInterval, contact_mask
 from studio.core.compact_array import PoseArray
 from studio.core.grounds.ground import Ground
 from studio.core.solver.asking.chains import HIP_LIMIT, point_masses
-from studio.core.solver.standing.blends import release_weight
+from studio.core.solver.grounding.contact_blending import release_weight
 
 FloatArray = NDArray[np.float64]
 
@@ -22,11 +22,11 @@ def limb_availability(
     contacts: Sequence[ContactInterval],
     frame_rate: float,
 ) -> FloatArray:
-    """Availability (L, 4, F) of each limb to each level: 0 in contact or with an active task of that level or above,
-    rising to 1 soon after and before.
+    """Availability (L, 4, F) of each limb to each level, 0 to 1.
 
-    ``limbs`` (C, 2) of each constraint's points, ``levels`` (C,), ``activations`` (C, F). The least activation counts
-    fully, so that a limb is back in the motion's own pose when its task begins.
+    It is 0 in contact or with an active task of that level or above, and rises to 1 soon after and before. ``limbs``
+    (C, 2) are the limbs of each constraint's points, ``levels`` (C,), ``activations`` (C, F). The least activation
+    counts fully, so that a limb is back in the motion's own pose when its task begins.
     """
     taken = np.zeros((int(levels.max(initial=-1)) + 1, 4, activations.shape[1]), dtype=np.bool_)
     for limb in range(4):
@@ -40,10 +40,11 @@ def limb_availability(
 def leg_limit_fractions(
     body: AnyMorphology, ground: Ground, positions: PoseArray, window: slice = slice(None)
 ) -> FloatArray:
-    """Fraction (2, F) of its limit by which each leg may rotate about its hip without entering the ground.
+    """Fraction (2, F) of its joint limit by which each leg may rotate about its hip without entering the ground.
 
     A point c metres above the ground and h beside the hip may rotate by c / h. The result is the smooth minimum of the
-    limit and these angles of ankle, ball and tip. ``positions`` (all, P, 3), F frames of ``window``.
+    limit and these angles of ankle, ball and tip. ``positions`` are those of all frames (P, 3), F is the number of
+    frames of ``window``.
     """
     found, positions = [], positions[window]
     for side in range(2):
@@ -57,11 +58,11 @@ def leg_limit_fractions(
 
 
 def arm_limit_fractions(body: AnyMorphology, positions: PoseArray, window: slice = slice(None)) -> FloatArray:
-    """Fraction (2, F) of its limit by which each arm may rotate about its shoulder: the squared sine of its mass'
+    """Fraction (2, F) of its joint limit by which each arm may rotate about its shoulder: the squared sine of its mass'
     elevation.
 
-    A level arm helps whether it rotates up or down, and would change sides between two frames. ``positions`` (all, P,
-    3) and ``window`` as in ``leg_limit_fractions``.
+    A level arm helps whether it rotates up or down, and would change sides between two frames. ``positions`` are those
+    of all frames (P, 3), F is the number of frames of ``window``.
     """
     found, positions, masses = [], positions[window], point_masses(body.layout)
     for side in range(2):

@@ -1,4 +1,4 @@
-"""Residuals of constraints measured on given poses, active or not."""
+"""Residuals of constraints measured on given poses, at full activation."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,16 +16,16 @@ from studio.core.solver.asking.kinds.orientation import angle_to
 from studio.core.solver.asking.kinds.position import distance_to
 from studio.core.solver.asking.shared_goals import groups_with_shared_goal, weighted_mean
 from studio.core.solver.asking.tracks import Targets, Track, raised_along_arms
+from studio.core.solver.grounding.support_polygon import mass_path
 from studio.core.solver.performers.followed_tracks import own_track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
-from studio.core.solver.standing.support_polygon import mass_path
 
 
 def full_residuals(constraints: Sequence[Constraint], targets: Targets, adapted: AdaptedMotion) -> NDArray[np.float64]:
-    """Residuals (C, F) in metres or radians at full activation; ``targets`` are those of these frames.
+    """Residuals (C, F) in metres or radians at full activation; ``targets`` are those of the same frames.
 
-    Constraints that share a goal are measured to that. Areas and self-collision constraints have the solver's
-    residuals: NaN where inactive.
+    Constraints that share a goal are measured to that goal. Areas and self-collision constraints have the residuals of
+    the solver, NaN where inactive.
     """
     measured = np.array(adapted.residuals)
     for row, constraint in zip(measured, constraints, strict=True):
@@ -56,8 +56,9 @@ def _measure_shared(
 
 
 def with_residuals_remeasured(adapted: AdaptedMotion, request: AdaptRequest) -> AdaptedMotion:
-    """``adapted`` with residuals measured on the ``final_tracks`` of ``request``, for constraints that follow these and
-    are fully active.
+    """``adapted`` with residuals measured against the ``final_tracks`` of ``request``.
+
+    Only those of fully active constraints that follow these tracks are replaced.
     """
     final, unasked = request.final_tracks, adapted.unconstrained
     shared = set(chain.from_iterable(groups_with_shared_goal(request.constraints)))  # measured together or not at all

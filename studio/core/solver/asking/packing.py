@@ -1,4 +1,4 @@
-"""Constraints as the arrays of the solver's kernels: in order of priority, one record each."""
+"""Constraints packed for the solver's kernels: one task record each, in order of priority."""
 
 from collections.abc import Sequence
 
@@ -10,21 +10,28 @@ from studio.core.constraints.base import THIGHS, UPPER_ARMS, Chain, Constraint
 from studio.core.kernels.tasks.area_shapes import AREA_NUMBERS
 from studio.core.kernels.tasks.task import TASK
 from studio.core.solver.asking.kinds.known import solver_kind_of
-from studio.core.solver.asking.task_rows import BLANK_TASK, NO_DISTANCE, NO_POSITION, NO_ROTATION, TaskRecords, row_of
+from studio.core.solver.asking.task_rows import (
+    BLANK_TASK,
+    NO_DISTANCE,
+    NO_POSITION,
+    NO_ROTATION,
+    TaskRecords,
+    point_task_record,
+)
 from studio.core.solver.asking.tracks import Targets
 
 _PLACES = {part: place for place, part in enumerate(BodyPart)}
 
 
 def priority_order(constraints: Sequence[Constraint]) -> list[int]:
-    """Indices in order of priority; among equals in an order independent of creation."""
+    """Indices of ``constraints`` in order of priority; the order among equals does not depend on their creation."""
     return sorted(
         range(len(constraints)), key=lambda c: (constraints[c].priority, *_order_among_equals(constraints[c]))
     )
 
 
 def _order_among_equals(constraint: Constraint) -> tuple[object, ...]:
-    """Sort key: hands before elbows, feet before knees."""
+    """Sort key of constraints with the same priority: hands before elbows, feet before knees."""
     point = constraint.point
     return -_PLACES[point.part], not point.at_end, constraint.kind, point.offset, constraint.name
 
@@ -38,7 +45,9 @@ def pack_tasks(
     """
     count, levels = len(constraints), levels_by_priority(constraints, contacts)
     begun = [
-        BLANK_TASK.tobytes() if isinstance(each, BalanceConstraint) else row_of(each.point, each.chain, layout)
+        BLANK_TASK.tobytes()
+        if isinstance(each, BalanceConstraint)
+        else point_task_record(each.point, each.chain, layout)
         for each in constraints
     ]
     rows = TaskRecords(
@@ -66,15 +75,16 @@ def pack_tasks(
 
 
 def levels_by_priority(constraints: Sequence[Constraint], contacts: int) -> tuple[int, ...]:
-    """Level of each constraint, 0 the highest: contacts first, then constraints in order of their priority."""
+    """Level of each constraint, 0 the highest: contacts first, then one level for each priority, in order."""
     priorities = [-1] * contacts + [constraint.priority for constraint in constraints[contacts:]]
     levels = {priority: rank for rank, priority in enumerate(sorted(set(priorities)))}
     return tuple(levels[priority] for priority in priorities)
 
 
 def _blend_tasks_on_redundant_limbs(rows: TaskRecords, c: int, chain: Chain) -> None:
-    """Blend the transitions of tasks below a balance on limbs that it rotates: their start is not in the motion's own
-    pose.
+    """Blend the transitions of tasks on limbs that a balance ``c`` above them rotates.
+
+    Their unsolved pose is not the motion's own pose.
     """
     recruited = [limb for limb, part in enumerate((*UPPER_ARMS, *THIGHS)) if chain.recruited(part) > 0.0]
     below = rows.tasks["level"] > rows.tasks["level"][c]

@@ -1,4 +1,4 @@
-"""Indices of constraint points in the arrays of a body, and the weights of their limbs in a chain."""
+"""Indices of constrained points in the arrays of a body, and the weights of their limbs in a chain."""
 
 from functools import cache, lru_cache
 
@@ -8,7 +8,9 @@ from studio.core.constraints.base import CLAVICLES, TRUNK_PARTS, BodyPoint, Chai
 
 @lru_cache(maxsize=1024)
 def point_indices(point: BodyPoint, layout: BodyLayout) -> tuple[int, int]:
-    """(origin point of a constraint point's offset, segment whose axes it uses)."""
+    """(index of the body point from which a constrained point is offset, index of the segment with the offset's
+    axes).
+    """
     segment = layout.segment_of_part(point.part)
     ends = layout.distal_points() if point.at_end else layout.proximal_points()
     return ends[segment], segment
@@ -16,7 +18,7 @@ def point_indices(point: BodyPoint, layout: BodyLayout) -> tuple[int, int]:
 
 @cache
 def limb_of(part: BodyPart) -> int:
-    """Limb of a body part: 0, 1 left and right arm, 2, 3 legs, -1 none."""
+    """Index of the limb of a body part: 0 and 1 left and right arm, 2 and 3 left and right leg, -1 for none."""
     side, _, bone = part.value.partition("_")
     if bone in ("upper_arm", "forearm", "hand"):
         return 0 if side == "left" else 1
@@ -27,7 +29,10 @@ def limb_of(part: BodyPart) -> int:
 
 @lru_cache(maxsize=1024)
 def limb_weights(part: BodyPart, chain: Chain) -> tuple[bool, tuple[float, ...], float]:
-    """(True if the chain moves joints beside the limb of a part, weights of its bones, weight of the limb)."""
+    """(assisted, weights of the limb's bones, weight of the limb) of a part's limb in a chain.
+
+    ``assisted`` is true if the chain moves joints beside that limb.
+    """
     limb = limb_of(part)
     if limb < 0:
         return False, (), chain.limb

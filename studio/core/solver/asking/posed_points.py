@@ -1,4 +1,4 @@
-"""Positions of constraint points and targets in given poses."""
+"""Positions of constrained points and their targets in given poses."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +13,13 @@ FloatArray = NDArray[np.float64]
 
 
 def point_positions(point: BodyPoint, adapted: AdaptedMotion) -> FloatArray:
-    """Positions (F, 3) of a point of the body."""
+    """Positions (F, 3) in metres of a point of the body."""
     origin, segment = point_indices(point, adapted.morphology.layout)
     return np.asarray(adapted.positions[:, origin] + adapted.rotations[:, segment] @ np.array(point.offset))
 
 
 def target_positions(target: object, targets: Targets, adapted: AdaptedMotion) -> FloatArray:
-    """Target positions (F or 1, 3), or positions of a followed point of the body."""
+    """Target positions (F or 1, 3) in metres; of a target on the own body, the positions of the followed point."""
     if isinstance(target, FollowBody | BodyPoint):
         return point_positions(target.point if isinstance(target, FollowBody) else target, adapted)
     return targets.positions(target)  # type: ignore[arg-type]

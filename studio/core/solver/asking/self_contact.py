@@ -1,7 +1,7 @@
 """Self-contact of arms: hands that touch keep their contact, and arms stay out of the rest of the body.
 
-Both are solved on the grounded body; the search keeps contacts of hands (``kernels.limbs.touching_arms``), and arms are
-pushed out of the solved body again. A hand with constraints or ground contact is left alone.
+Both are solved on the grounded body. During the search hands keep their contacts (``kernels.limbs.touching_arms``), and
+arms are pushed out of the solved body again. A hand with constraints or ground contact is left alone.
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from scipy.ndimage import convolve1d, maximum_filter1d
 
 from studio.core.body.morphology import AnyMorphology, Morphology
 from studio.core.captures.contacts import ContactInterval, Touch, contact_mask
-from studio.core.kernels import layout as at
+from studio.core.kernels import measure_columns as measure
 from studio.core.kernels.limits import arm_clearance as clearing
 from studio.core.kernels.limits.arm_clearance import ARM_STEP_SIZE, ELBOW_SWIVEL, HAND_ROTATION
 from studio.core.kernels.limits.hand_contact import (
@@ -31,67 +31,82 @@ from studio.core.normalized.touching import PalmPositions, palm_positions
 from studio.core.project_cache import project_cache
 from studio.core.runs import runs_of
 from studio.core.solver.asking.clearance import actor_clearances, clearances_of, packed_volume, rest_clearances
-from studio.core.solver.standing.blends import LET_GO, SLOWLY_LET_GO, hann_window, release_weight, smoothstep_array
-from studio.core.solver.standing.body_support import limb_freedom
+from studio.core.solver.grounding.body_support import limb_freedom
+from studio.core.solver.grounding.contact_blending import (
+    RELEASE_SECONDS,
+    SLOW_RELEASE_SECONDS,
+    hann_window,
+    release_weight,
+    smoothstep_array,
+)
 
 FloatArray = NDArray[np.float64]
 
-PUSH_OUT_FADE = LET_GO
-"""Seconds before and after over which the push of an arm out of its body is spread."""
+PUSH_OUT_FADE_SECONDS = RELEASE_SECONDS
+"""Seconds before and after a push of an arm out of its body over which it is spread."""
 MAX_WRIST_PUSH = 0.4
-"""Saturation of the wrist's displacement in arm lengths: farther away it would be in the body elsewhere."""
+"""Greatest displacement of a wrist by a push, in arm lengths, approached softly: farther away it would be in the body
+elsewhere.
+"""
 PUSH_OUT_ROUNDS = 3
-"""Rounds of pushing arms out of a grounded body: smoothing in time may lead them in elsewhere."""
-TOUCH_FADE = 0.01
-"""Metres of depth in the actor over which a hand that penetrates, or leaves, does so on another body."""
+"""Rounds of pushing arms out of a grounded body: smoothing in time may move them in elsewhere."""
+TOUCH_FADE_DEPTH = 0.01
+"""Range of the actor's depth in metres over which a hand that penetrates, or leaves, the actor begins to do so on the
+adapted body.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class HandBodyContact:
-    """Contact of a hand of a ``side`` with ``capsules`` (M,) of its body: ``firm`` (F,) its weight in [0, 1],
-    ``palm_positions`` (F, M, 6) the contact points.
-    """
+    """Contact of one hand with its body."""
 
     side: int
+    """0 for the left hand, 1 for the right."""
     capsules: NDArray[np.int64]
+    """(M,) indices of the touched capsules of the body."""
     firm: FloatArray
+    """(F,) weight of the contact, 0 to 1."""
     palm_positions: FloatArray
+    """(F, M, 6) contact points on the capsules, in the columns of ``kernels.limits.hand_contact``."""
 
 
 @dataclass(frozen=True, eq=False)
 class HandContacts:
-    """Contacts of an actor's hands in every frame.
-
-    ``gaps`` (F, 3) metres from the left wrist to the right; ``together`` and ``held`` (F,) weights of hands that touch,
-    and of hands on one object.
-    """
+    """Contacts of an actor's hands in every frame."""
 
     gaps: FloatArray
+    """(F, 3) vector from the left wrist to the right, metres."""
     together: FloatArray
+    """(F,) weight of hands that touch."""
     held: FloatArray
+    """(F,) weight of hands on one object."""
     resting: tuple[HandBodyContact, ...]
+    """Contacts with the body."""
 
 
 @dataclass(frozen=True, eq=False)
 class SelfContact:
-    """Self-contact of one body: ``gaps`` (F, 3) between wrists and their weights ``firm`` (F,).
-
-    ``clearances`` are the required signed distances (F, 2, 5), the actor's, and its outward directions (F, 2, 5, 3);
-    None where arms may penetrate.
-    """
+    """Self-contact of one adapted body: contacts of its hands, and clearance of its arms."""
 
     body: AnyMorphology
     frame_rate: float
     volume: BodyVolume
     gaps: FloatArray
+    """(F, 3) required vector from the left wrist to the right, metres."""
     firm: FloatArray
+    """(F,) weight of hands that touch each other or hold one object."""
     resting: tuple[HandBodyContact, ...]
+    """Contacts of hands with the body."""
     clearances: tuple[FloatArray, FloatArray, FloatArray] | None
+    """Required signed distances (F, 2, 5), those of the actor, and outward directions (F, 2, 5, 3) of the actor's body;
+    None where arms may penetrate.
+    """
 
     def inertialised(self, fractions: FloatArray, positions: FloatArray, rotations: FloatArray) -> "SelfContact":
-        """Copy for posed frames (F, P, 3), (F, S, 3, 3) during an inertialised transition, by ``fractions`` (F,).
+        """Copy for posed frames (F, P, 3), (F, S, 3, 3) of an inertialised transition; ``fractions`` (F,) rise from 0
+        to 1 during it.
 
-        Contacts are weighted, and required distances are at most those of these poses.
+        Weights of contacts are multiplied by the fractions, and required distances are at most those of these poses.
         """
         resting, clearances, led = (
             tuple(replace(each, firm=fractions * each.firm) for each in self.resting),
@@ -107,16 +122,16 @@ class SelfContact:
 
     @property
     def has_contacts(self) -> bool:
-        """True if hands touch anything in any frame."""
+        """True if a hand touches the other hand or the body in any frame."""
         return bool(self.firm.any() or any(firm.any() for firm in self._rests))
 
     @property
     def without_touches(self) -> "SelfContact":
-        """Copy without contacts of hands, in which arms only stay out of the body."""
+        """Copy without contacts of hands: arms only stay out of the body."""
         return replace(self, firm=np.zeros_like(self.firm), resting=())
 
     def in_frames(self, frames: slice) -> "SelfContact":
-        """Copy for some frames."""
+        """Copy for the frames of a slice."""
         return replace(
             self,
             gaps=self.gaps[frames],
@@ -130,7 +145,7 @@ class SelfContact:
         )
 
     def joined_from_parts(self, parts: "Sequence[SelfContact]") -> "SelfContact":
-        """Copy with the contacts and distances of its ``parts``, one after the other."""
+        """Copy with the weights and required distances of ``parts``, one after the other in time."""
         firm, *rests = (
             np.concatenate(each) for each in zip(*((part.firm, *part._rests) for part in parts), strict=True)
         )
@@ -141,10 +156,11 @@ class SelfContact:
 
     @property
     def _rests(self) -> list[FloatArray]:
+        """Weights (F,) of each contact with the body."""
         return [each.firm for each in self.resting]
 
     def affecting_frames(self, window: slice, looks: int = 1) -> slice:
-        """Frames that affect the arms of a ``window`` within ``looks`` rounds."""
+        """Frames that affect the arms of a ``window`` in ``looks`` rounds of smoothed pushes."""
         if self.clearances is None:
             return window
         reach = 2 * _fade_frames(self.frame_rate)
@@ -153,12 +169,14 @@ class SelfContact:
         return self._wider(window, max(2 * looks - 1, 2) * reach) if touches else near  # they are looked at again
 
     def _wider(self, window: slice, frames: int) -> slice:
+        """``window`` extended by ``frames`` on either side."""
         return slice(max(window.start - frames, 0), min(window.stop + frames, len(self.firm)))
 
     def correction_weights(self, acts: NDArray[np.bool_]) -> FloatArray:
-        """Weights (F,) of correcting arms again where constraints act (F,): zero at the ends of a run of such frames,
-        so that frames beside a run stay as they are grounded. A run that is too short for both fades has shorter
-        ones.
+        """Weights (F,) by which arms are corrected again in frames where constraints act (F,).
+
+        They are zero at the ends of a run of such frames, so that frames beside a run stay as grounded. A run that is
+        too short for both fades has shorter ones.
         """
         weights, fade = np.zeros(len(acts)), 2 * _fade_frames(self.frame_rate)
         for first, past in runs_of(acts):
@@ -169,10 +187,11 @@ class SelfContact:
         return weights
 
     def close_contacts(self, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
-        """Correct the arms of grounded frames of a ``window`` (F, P, 3), (F, S, 3, 3), in place.
+        """Correct the arms of grounded frames of a ``window``, (F, P, 3) and (F, S, 3, 3), in place: hands touch, and
+        arms stay out of the body.
 
-        ``free`` (F, 2, 2) are the weights of wrist and elbow of each arm. Frames are final if all frames ``around``
-        them, with ``PUSH_OUT_ROUNDS``, are in the window.
+        ``free`` (F, 2, 2) are the weights of wrist and elbow of each arm. Frames are final if all frames that affect
+        them (``affecting_frames`` with ``PUSH_OUT_ROUNDS``) are in the window.
         """
         volume, proximal = packed_volume(self.volume), np.array(self.body.layout.proximal_points())
         firm, lying = self.firm[window], self._lying(window)
@@ -201,12 +220,15 @@ class SelfContact:
         self._solve_hand_contacts(window, parted, positions, rotations)
 
     def push_out(self, window: slice, free: FloatArray, positions: FloatArray, rotations: FloatArray) -> None:
-        """Push the arms of solved frames of ``window`` out of the body; hands stay in contact (``close_contacts``)."""
+        """Push the arms of solved frames of a ``window`` out of the body, in place; hands stay in contact.
+
+        ``free`` (F, 2, 2) are the weights of wrist and elbow of each arm.
+        """
         all_frames = np.ones(len(positions), dtype=np.bool_)
         self._clear(window, free, self._lying(window), self.firm[window], all_frames, positions, rotations)
 
     def hand_contacts(self, window: slice) -> NDArray[np.void]:
-        """Contacts (2, F) of the hands for ``kernels.limbs.touching_arms``."""
+        """Records ``HAND_CONTACT`` (2, F) of both hands in the frames of a ``window``."""
         found = np.zeros((2, len(self.firm[window])), HAND_CONTACT)
         found["together"] = self.firm[window]
         for each in self.resting:
@@ -230,7 +252,7 @@ class SelfContact:
     def _solve_hand_contacts(
         self, window: slice, fractions: FloatArray, positions: FloatArray, rotations: FloatArray
     ) -> None:
-        """Solve hand-hand contacts, with the fractions (F, 2) of both arms."""
+        """Bring hands into contact with each other, in place; ``fractions`` (F, 2) are the parts of both arms."""
         if fractions.any():
             solve_hand_hand_contact(self.gaps[window], fractions, positions, rotations)
 
@@ -244,10 +266,10 @@ class SelfContact:
         positions: FloatArray,
         rotations: FloatArray,
     ) -> NDArray[np.bool_]:
-        """Push arms, by their weights ``free`` (F, 2, 2), out of the body in frames ``looked`` (F,); True where they
-        moved.
+        """Push arms, by their weights ``free`` (F, 2, 2), out of the body in the frames ``looked`` (F,), in place; True
+        where they moved.
 
-        Hands ``lying`` (F, 2) on the body touch it; hands together (``firm`` (F,)) move together.
+        Hands ``lying`` (F, 2) on the body may touch it; hands together (``firm`` (F,)) move together.
         """
         if self.clearances is None:
             return np.zeros_like(looked)
@@ -265,7 +287,7 @@ class SelfContact:
         return np.asarray(moves.any(axis=(1, 2)))
 
     def _ease(self, moves: FloatArray, free: FloatArray, firm: FloatArray, chest: FloatArray) -> None:
-        """Smooth steps of both arms (F, 2, 7) in time, in place, in the axes of the ``chest`` (F, 3, 3).
+        """Smooth arm steps ``moves`` (F, 2, 7) in time, in place, in the axes of the ``chest`` (F, 3, 3).
 
         Hands together (``firm`` (F,)) move alike, and do not rotate.
         """
@@ -280,7 +302,7 @@ class SelfContact:
         eased = np.einsum("fij,fvj->fvi", chest, smoothed_steps(out, self.frame_rate)).reshape(
             len(moves), 2, ELBOW_SWIVEL
         )
-        farthest = MAX_WRIST_PUSH * self.body.rows[:, at.MEASURE_ARM : at.MEASURE_ARM + 2].sum(axis=1).max()
+        farthest = MAX_WRIST_PUSH * self.body.rows[:, measure.ARM : measure.ARM + 2].sum(axis=1).max()
         far = np.linalg.norm(eased[:, :, :HAND_ROTATION], axis=2, keepdims=True) / farthest
         moves[:, :, :HAND_ROTATION] = able * eased[:, :, :HAND_ROTATION] / (1.0 + far**4) ** 0.25
         moves[:, :, HAND_ROTATION:ELBOW_SWIVEL] = able * (1.0 - firm)[:, None, None] * eased[:, :, HAND_ROTATION:]
@@ -288,12 +310,13 @@ class SelfContact:
 
 
 def _fade_frames(frame_rate: float) -> int:
-    """``PUSH_OUT_FADE`` in frames; ``smoothed_steps`` uses twice as many on either side."""
-    return max(1, round(PUSH_OUT_FADE * frame_rate))
+    """``PUSH_OUT_FADE_SECONDS`` in frames. ``smoothed_steps`` uses twice as many on either side."""
+    return max(1, round(PUSH_OUT_FADE_SECONDS * frame_rate))
 
 
 def smoothed_steps(displacements: FloatArray, frame_rate: float) -> FloatArray:
-    """Steps (F, N, D) with the maximal length within ``PUSH_OUT_FADE`` seconds and the mean direction.
+    """Steps (F, N, D) smoothed in time: each has the greatest length within ``PUSH_OUT_FADE_SECONDS``, and the mean
+    direction.
 
     Opposite steps shorten each other: an arm that passes through the body in the source still does.
     """
@@ -320,7 +343,9 @@ def self_contact_of(
     actor: Morphology | None,
     clears: bool,
 ) -> SelfContact | None:
-    """Self-contact of a motion on ``body``; None without contacts and clearance, or with an unknown actor."""
+    """``SelfContact`` of a motion on ``body``; None if it has neither contacts nor clearance, or if the actor is
+    unknown.
+    """
     touches = tuple(each for each in contacts if isinstance(each.point, Touch) and each.first < motion.frame_count)
     if actor is None or not (touches or clears):
         return None
@@ -339,7 +364,7 @@ def self_contact_of(
             own,
             displacements,
         )
-    arms = [rows[:, at.MEASURE_ARM : at.MEASURE_ARM + 4].sum(axis=1)[:, None] for rows in (body.rows, actor.rows)]
+    arms = [rows[:, measure.ARM : measure.ARM + 4].sum(axis=1)[:, None] for rows in (body.rows, actor.rows)]
     scale = arms[0] / arms[1]
     both = np.maximum(touching.together, touching.held)
     sizes = scale + (1.0 - scale) * (touching.held * (1.0 - touching.together) / np.maximum(both, 1e-9))[:, None]
@@ -350,7 +375,7 @@ def self_contact_of(
 
 @project_cache(maxsize=8)
 def hand_contacts_of(motion: NormalizedMotion, actor: Morphology, touches: tuple[ContactInterval, ...]) -> HandContacts:
-    """Contacts ``touches`` measured on the actor."""
+    """``HandContacts`` of the intervals ``touches``, measured on the actor."""
     positions, rotations = realize_motion(motion, actor, play=True)
     layout, volume = actor.layout, usual_volume(actor)
     resting = []
@@ -370,19 +395,28 @@ def hand_contacts_of(motion: NormalizedMotion, actor: Morphology, touches: tuple
 
 
 def _contact_weights(touches: Sequence[ContactInterval], motion: NormalizedMotion) -> FloatArray:
-    """Weights (F,) of touches: 1 during them, fading before and after."""
+    """Weights (F,) of contact intervals: 1 during them, fading before and after."""
     mask = contact_mask([(each.first, each.last) for each in touches], motion.frame_count)
-    return 1.0 - release_weight(mask, motion.frame_rate, SLOWLY_LET_GO) if mask.any() else np.zeros(motion.frame_count)
+    return (
+        1.0 - release_weight(mask, motion.frame_rate, SLOW_RELEASE_SECONDS)
+        if mask.any()
+        else np.zeros(motion.frame_count)
+    )
 
 
 def _contact_points(near: Sequence[PalmPositions], contact: ContactInterval) -> FloatArray:
-    """Contact points (F, M, 6) for the kernel: a resting hand is on the surface, however deep the actor penetrates."""
+    """Contact points (F, M, 6) of a palm on M capsules for the kernel.
+
+    A resting hand is put on the surface, however deep the actor's seems to penetrate.
+    """
     clearances = np.stack([each.clearances for each in near], axis=1)
     least = clearances.min(axis=1)
     fractions = np.exp((least[:, None] - clearances) / clearing.SMOOTH_MINIMUM_WIDTH)
     fractions /= fractions.sum(axis=1, keepdims=True)
     above = clearances - np.median(least[contact.first : contact.last + 1])
-    lifted = np.where(above >= TOUCH_FADE, above, np.maximum(above + TOUCH_FADE, 0.0) ** 2 / (4.0 * TOUCH_FADE))
+    lifted = np.where(
+        above >= TOUCH_FADE_DEPTH, above, np.maximum(above + TOUCH_FADE_DEPTH, 0.0) ** 2 / (4.0 * TOUCH_FADE_DEPTH)
+    )
     along, displacements = (
         np.stack(each, axis=1)
         for each in ([one.fractions_along_axis for one in near], [one.directions for one in near])
@@ -392,9 +426,9 @@ def _contact_points(near: Sequence[PalmPositions], contact: ContactInterval) -> 
 
 
 def arm_activations(tasks: NDArray[np.void], activations: FloatArray, body: AnyMorphology) -> FloatArray:
-    """Activations (F, 2, 2) of ``tasks`` (C,) on the wrist, and the elbow, of each arm.
+    """Activations (F, 2, 2) of ``tasks`` (C,) on wrist and elbow of each arm, from ``activations`` (C, F).
 
-    ``activations`` (C, F); a task on the hand alone leaves the elbow free.
+    A task on the hand alone leaves the elbow free.
     """
     asked = np.zeros((activations.shape[1], 2, 2))
     for side in range(2):
@@ -405,7 +439,7 @@ def arm_activations(tasks: NDArray[np.void], activations: FloatArray, body: AnyM
 
 
 def standing_hand_weights(contacts: Sequence[ContactInterval], frame_count: int, frame_rate: float) -> FloatArray:
-    """Ground contact weights (F, 2, 2) of wrist and elbow of each arm; elbows have none."""
+    """Weights (F, 2, 2) of ground contacts on wrist and elbow of each arm; elbows have none."""
     free = [limb_freedom(contacts, side, frame_count, frame_rate) for side in range(2)]
     asked = np.zeros((frame_count, 2, 2))
     asked[:, :, 0] = 1.0 - np.stack(free, axis=1)

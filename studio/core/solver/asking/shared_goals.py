@@ -1,7 +1,7 @@
-"""Goals of constraints of one priority on one point, or on the rotation of one segment: their weighted mean.
+"""Shared goals of constraints with one priority on one point, or on the rotation of one segment: their weighted mean.
 
 The kernels meet the first of such tasks. The weighted sum of their squared residuals is least at the weighted mean of
-their targets, which is therefore the goal of each. Where weights cross, the point passes from target to target.
+their targets, which therefore becomes the goal of each. Where weights cross, the point passes from target to target.
 """
 
 from collections import defaultdict
@@ -20,9 +20,11 @@ FloatArray = NDArray[np.float64]
 
 
 def groups_with_shared_goal(constraints: Sequence[Constraint]) -> list[list[int]]:
-    """Indices of constraints that share a goal while several of them are active, at least two a group.
+    """Indices of the constraints of each group that share a goal while several of them are active, at least two a
+    group.
 
-    One weight of a group is keyed: constraints with constant weights contradict each other, and are told as missed.
+    At least one weight of a group is keyed. Constraints with constant weights contradict each other instead, and are
+    reported with residuals.
     """
     if not any(isinstance(each.weight, KeyedNumber) for each in constraints):
         return []
@@ -38,8 +40,10 @@ def groups_with_shared_goal(constraints: Sequence[Constraint]) -> list[list[int]
 
 
 def weighted_mean(targets: Sequence[FloatArray], weights: FloatArray) -> FloatArray:
-    """Mean of positions (F or 1, 3), or of rotations (F or 1, 3, 3) along their shortest arcs, by ``weights`` (n, F);
-    exactly a target that alone has a weight.
+    """Mean of n positions (F or 1, 3), or of n rotations (F or 1, 3, 3) along their shortest arcs, by ``weights`` (n,
+    F).
+
+    It is exactly the target that alone has a weight.
     """
     totals = np.cumsum(weights, axis=0)
     fractions = np.divide(weights, totals, out=np.zeros(weights.shape), where=totals > 0.0)
@@ -50,18 +54,22 @@ def weighted_mean(targets: Sequence[FloatArray], weights: FloatArray) -> FloatAr
 
 
 def _between_positions(one: FloatArray, other: FloatArray, fraction: FloatArray) -> FloatArray:
+    """Positions (F or 1, 3) at ``fraction`` (F,) from ``one`` to ``other``."""
     return np.asarray((1.0 - fraction[:, None]) * one + fraction[:, None] * other)
 
 
 def _between_rotations(one: FloatArray, other: FloatArray, fraction: FloatArray) -> FloatArray:
+    """Rotations (F or 1, 3, 3) at ``fraction`` (F,) of the shortest arc from ``one`` to ``other``."""
     part = fraction[:, None, None]
     between = to_matrix(slerp(from_matrix(one), from_matrix(other), fraction))
     return np.where(part <= 0.0, one, np.where(part >= 1.0, other, between))
 
 
 def share_goals(rows: TaskRecords, constraints: Sequence[Constraint], first: int, activations: FloatArray) -> None:
-    """Write shared goals into the rows of ``constraints``, from ``first`` on, and on a limb, where only the first of
-    them is solved, their common weight. Activations (C, F) of all rows are factors of the weights.
+    """Write shared goals into the targets of ``constraints``, which begin at row ``first`` of ``rows``.
+
+    On a limb, where only the first of them is solved, their common weight is written too. ``activations`` (C, F) of all
+    rows are factors of the weights.
     """
     for group in groups_with_shared_goal(constraints):
         places = [first + c for c in group]

@@ -1,4 +1,4 @@
-"""Task records and targets of constraints while they are written."""
+"""Task records and targets of constraints, while they are packed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,35 +19,40 @@ from studio.core.solver.asking.tracks import Targets
 FloatArray = NDArray[np.float64]
 
 BLANK_TASK = np.zeros(1, dtype=TASK)
-"""Record of a task without request."""
+"""Task record before a constraint is written into it."""
 for _end in ("points", "segments", "limbs"):
     BLANK_TASK[_end] = -1
 BLANK_TASK["axes"] = 2
 BLANK_TASK.setflags(write=False)
 NO_POSITION, NO_ROTATION, NO_DISTANCE = np.full((1, 3), np.nan), np.zeros((1, 3, 3)), np.zeros(1)
-"""Targets of a task without target."""
+"""Position, rotation and distance target of a task that has none."""
 
 
 @dataclass(eq=False)
 class TaskRecords:
-    """Records and targets of C constraints while they are written; see ``kernels.tasks.task``.
-
-    ``levels`` (C,), 0 the highest; ``positions`` C of (F or 1, 3), ``rotations`` of (F or 1, 3, 3) and ``distances`` of
-    (F or 1,) are the targets, ``weights`` C of (F or 1,) count among tasks of the same level.
-    """
+    """Task records and targets of C constraints, while they are packed."""
 
     layout: BodyLayout
     targets: Targets
     levels: tuple[int, ...]
+    """(C,) level of each constraint, 0 the highest."""
     tasks: NDArray[np.void]
+    """(C,) records of ``TASK``."""
     areas: FloatArray
+    """(C, n) area of each task."""
     positions: list[FloatArray]
+    """Target positions (F or 1, 3) of each task."""
     rotations: list[FloatArray]
+    """Target rotations (F or 1, 3, 3) of each task."""
     distances: list[FloatArray]
+    """Target distances (F or 1,) of each task."""
     weights: list[FloatArray]
+    """Weights (F or 1,) of each task among those of its level."""
 
     def set_followed_point(self, c: int, target: object) -> bool:
-        """Write the point of its own body that a constraint follows; False for other targets."""
+        """Write the point of its own body that constraint ``c`` follows; False, and nothing is written, for other
+        targets.
+        """
         if not isinstance(target, FollowBody):
             return False
         row = self.tasks[c]
@@ -58,14 +63,14 @@ class TaskRecords:
 
     @property
     def stacked_targets(self) -> records.TargetArrays:
-        """Target arrays for ``kernels.solve_clip.solve_frames``."""
+        """``TargetArrays`` for the kernels."""
         return records.TargetArrays(
             _stacked(self.positions, 3), _stacked(self.rotations, 3, 3), _stacked(self.distances)
         )
 
     @property
     def stacked_weights(self) -> FloatArray:
-        """Weights (C, F or 1)."""
+        """Weights (C, F or 1) of all tasks."""
         return _stacked(self.weights)
 
 
@@ -78,15 +83,15 @@ def _stacked(targets: Sequence[FloatArray], *shape: int) -> FloatArray:
 
 
 @lru_cache(maxsize=1024)
-def row_of(point: BodyPoint, chain: Chain, layout: BodyLayout) -> bytes:
-    """Record with a point and its limb."""
+def point_task_record(point: BodyPoint, chain: Chain, layout: BodyLayout) -> bytes:
+    """Task record, as bytes, with a point and the weights of its limb."""
     record = BLANK_TASK.copy()
     write_end(record[0], 0, point, chain, layout)
     return record.tobytes()
 
 
 def write_end(row: np.void, end: int, point: BodyPoint, chain: Chain, layout: BodyLayout) -> None:
-    """Write one end of a constraint: a point of the body and the weights of its limb."""
+    """Write end 0 or 1 of a task: a point of the body, and the weights of its limb in the chain."""
     limb = limb_of(point.part)
     row["points"][end], row["segments"][end] = point_indices(point, layout)
     row["limbs"][end] = limb

@@ -1,4 +1,4 @@
-"""Targets as arrays over time: fixed, keyed, procedural and followed ones."""
+"""Targets over time: fixed, keyed, procedural and followed ones as arrays."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -26,60 +26,68 @@ if TYPE_CHECKING:
     from studio.core.solver.request import UnconstrainedPoses
 
 FloatArray = NDArray[np.float64]
-FINGERS_RAISED = 2.0 / 3.0
-"""Part of the arms' elevation by which fingers on a prop are raised; wrists bend by the rest."""
+FINGER_RAISE_FRACTION = 2.0 / 3.0
+"""Fraction of the arms' elevation by which fingers on a prop are raised; wrists bend by the rest."""
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Track of a followed object: ``places`` (F, 3) metres and ``rotations`` (F, 3, 3), or one frame for all."""
+    """Positions and rotations of a followed object over time, F frames or one for all."""
 
     positions: FloatArray
+    """(F or 1, 3) metres."""
     rotations: FloatArray
+    """(F or 1, 3, 3)."""
 
     def in_frames(self, window: slice) -> "Track":
-        """The frames of ``window``."""
+        """Track in the frames of ``window``."""
         return self if len(self.positions) == 1 else Track(self.positions[window], self.rotations[window])
 
 
 def raised_along_arms(
     follow: Follow | OwnPlace | Support, track: Track, positions: PoseArray, layout: BodyLayout
 ) -> Track:
-    """The ``track`` itself; of a hand on a prop, that with fingers raised by a part of the elevation of the prop's
-    point from the middle of the shoulders of a body with ``positions`` (F, P, 3).
+    """``track`` with fingers raised by a part of the arms' elevation, for a hand that follows a prop along the arms.
+
+    The elevation is that of the prop's point from the middle of the shoulders of a body with ``positions`` (F, P, 3).
+    Other tracks are returned as they are.
     """
     if not (isinstance(follow, FollowProp) and follow.along_arms):
         return track
     shoulders = (positions[:, layout.collar_point(0) + 1] + positions[:, layout.collar_point(1) + 1]) / 2
     _, down, ahead = np.einsum("fji,fj->if", track.rotations, track.positions - shoulders)  # in the axes of a flat hand
-    angles = FINGERS_RAISED * np.arctan2(-down, np.abs(ahead))
+    angles = FINGER_RAISE_FRACTION * np.arctan2(-down, np.abs(ahead))
     rotations = track.rotations @ to_matrix(from_euler("X", angles[:, None]))
     return Track(track.positions + rotations @ np.array(follow.offset), rotations)
 
 
 @dataclass(frozen=True, eq=False)
 class OwnPath:
-    """Track of an object that moves with the grounded body itself, known after grounding."""
+    """Track of an object that moves with the grounded body itself, so that it is known only after grounding."""
 
     make: "Callable[[UnconstrainedPoses, AnyMorphology], Track]"
+    """Computes the track from the grounded poses."""
 
 
 Tracks = Mapping[Follow | OwnPlace | Support, Track | OwnPath]
+"""Tracks by followed target."""
 
 
 @dataclass(frozen=True, eq=False)
 class Targets:
-    """Evaluation of targets: ``times`` (F,) seconds, the ``tracks`` of followed objects, ``masses()`` (F, 3) the
-    motion's own centre of mass, and the body's ``leg_length`` in metres. Every result has F frames, or one for all.
-    """
+    """Evaluates targets at given times. Every result has F frames, or one for all."""
 
     times: FloatArray
+    """(F,) seconds."""
     tracks: Mapping[Follow | OwnPlace | Support, Track]
+    """Tracks of followed objects."""
     masses: Callable[[], FloatArray]
+    """Computes the motion's own centre of mass (F, 3)."""
     leg_length: float
+    """Leg length of the body in metres."""
 
     def positions(self, target: Place | Support) -> FloatArray:
-        """Positions (F or 1, 3) in metres."""
+        """Positions (F or 1, 3) of a target in metres."""
         if isinstance(target, KeyedOwnPlace):
             return self.tracks[target.origin].positions + self.leg_length * target.at(self.times)
         if isinstance(target, ProceduralPlace) and target.origin is not None:
@@ -91,7 +99,7 @@ class Targets:
         return np.array(target, dtype=np.float64)[None]
 
     def rotations(self, target: Turn) -> FloatArray:
-        """Rotations (F or 1, 3, 3)."""
+        """Rotations (F or 1, 3, 3) of a target."""
         if isinstance(target, KeyedTurn):
             return target.at(self.times)
         if isinstance(target, FOLLOWS):
@@ -99,21 +107,22 @@ class Targets:
         return to_matrix(np.array(target))[None]
 
     def numbers(self, value: float | KeyedNumber) -> FloatArray:
-        """Values (F or 1,)."""
+        """Values (F or 1,) of a constant or keyed number."""
         return value.at(self.times)[:, 0] if isinstance(value, KeyedNumber) else np.array([value])
 
     def area_rotations(self, area: AreaConstraint) -> FloatArray:
         """Rotations (F or 1, 3, 3) of an area; those of a half-space take x to its normal."""
-        tilts = x_along(area.size) if area.shape is AreaShape.HALF_SPACE else self.rotations(area.tilt)
+        tilts = rotation_from_x(area.size) if area.shape is AreaShape.HALF_SPACE else self.rotations(area.tilt)
         return self._headed(tilts, area.heading, area.centre)
 
     def rail_rotations(self, rail: RailConstraint) -> FloatArray:
-        """Rotations (F or 1, 3, 3) that take x to the direction of a rail."""
-        return self._headed(x_along(rail.direction), 0.0, rail.centre)
+        """Rotations (F or 1, 3, 3) of a rail, which take x to its direction."""
+        return self._headed(rotation_from_x(rail.direction), 0.0, rail.centre)
 
     def _headed(self, tilts: FloatArray, heading: float | KeyedNumber, centre: Place) -> FloatArray:
-        """``tilts`` (F or 1, 3, 3) rotated like ``heading_rotations``, and tilted by a followed prop, but not by a
-        followed bone.
+        """``tilts`` (F or 1, 3, 3) rotated by ``heading`` and by the object that ``centre`` follows.
+
+        A followed prop also tilts them; a followed bone only adds its heading.
         """
         if isinstance(centre, FollowProp) and centre in self.tracks:
             headings = self.tracks[centre].rotations @ self.heading_rotations(heading, (0.0, 0.0, 0.0))
@@ -122,9 +131,10 @@ class Targets:
         return np.asarray(headings @ tilts)
 
     def heading_rotations(self, heading: float | KeyedNumber, centre: Place) -> FloatArray:
-        """Rotations (F or 1, 3, 3) about Z: ``heading`` (radians) plus that of the object that ``centre`` follows.
+        """Rotations (F or 1, 3, 3) about Z by ``heading`` (radians) plus the heading of the object that ``centre``
+        follows.
 
-        That of the own body is unknown before solving, and added by the kernels.
+        The heading of the own body is unknown before solving, and added by the kernels.
         """
         angles = self.numbers(heading)
         if isinstance(centre, FOLLOWS) and centre in self.tracks:
@@ -134,7 +144,7 @@ class Targets:
 
 
 def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
-    """The constraint at the first time of ``targets``, with keyed and followed values as plain numbers."""
+    """``constraint`` at the first time of ``targets``, with keyed and followed values replaced by plain numbers."""
     changes: dict[str, Any] = {}
     for name, value in vars(constraint).items():
         if not hasattr(value, "kind"):  # a plain number, name or record; keyed and followed values have kinds
@@ -160,14 +170,16 @@ def fixed_at(constraint: Constraint, targets: Targets) -> Constraint:
     return replace(constraint, **changes) if changes else constraint
 
 
-def x_along(direction: Vector) -> FloatArray:
-    """Shortest rotation (3, 3) that takes x to a ``direction``."""
+def rotation_from_x(direction: Vector) -> FloatArray:
+    """Shortest rotation (3, 3) that takes x to ``direction``."""
     return np.asarray(shortest_arc(np.array([[1.0, 0.0, 0.0]]), normalized(np.array([direction])))[0])
 
 
 def moved_target(target: Place, position: Vector, seconds: float, track: Track | None) -> Place:
-    """``target`` moved to ``position`` at ``seconds``: with a key, another centre of a rule, or another offset from a
-    followed object, whose ``track`` begins at that time.
+    """``target`` moved to ``position`` at ``seconds``.
+
+    A keyed target gets a key, a procedural one another centre, a followed one another offset from the object; ``track``
+    is that of the object, beginning at that time.
     """
     if isinstance(target, KeyedPlace):
         return target.with_key(seconds, position)
@@ -185,7 +197,11 @@ def moved_target(target: Place, position: Vector, seconds: float, track: Track |
 
 
 def turned_target(target: Turn, rotation: Quaternion, seconds: float, track: Track | None) -> Turn:
-    """``target`` rotated like ``moved_target``."""
+    """``target`` rotated to ``rotation`` at ``seconds``.
+
+    A keyed target gets a key, a followed one another rotation relative to the object; ``track`` is that of the object,
+    beginning at that time.
+    """
     if isinstance(target, KeyedTurn):
         return target.with_key(seconds, rotation)
     if not isinstance(target, FOLLOWS) or track is None:
@@ -195,5 +211,6 @@ def turned_target(target: Turn, rotation: Quaternion, seconds: float, track: Tra
 
 
 def _sum(offset: Vector, further: FloatArray) -> Vector:
+    """Sum of two offsets (3,)."""
     x, y, z = (np.array(offset) + further).tolist()
     return x, y, z

@@ -1,1 +1,1 @@
-"""Performers on one stage: rows of clips, props, and dependencies between performers."""
+"""Performers on one stage: their clips as motions, props, and dependencies between performers."""

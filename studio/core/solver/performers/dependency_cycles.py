@@ -1,7 +1,7 @@
 """Dependency cycles: performers who follow each other, solved by Jacobi iterations.
 
-All are solved again from the last poses of all, until no followed point moves. Two points that follow each other meet
-between them, by the weights of their constraints; if one cannot get there, the other comes nearer.
+All performers are solved again from the last poses of all, until no followed point moves. Two points that follow each
+other meet between them, by the weights of their constraints; if one cannot get there, the other comes nearer.
 """
 
 import math
@@ -20,74 +20,82 @@ from studio.core.constraints.target import follows_of
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.normalized.compose import Composite
 from studio.core.solver.asking.tracks import Track, Tracks
-from studio.core.solver.performers.awaiting import with_anticipated_targets, with_expected_positions
+from studio.core.solver.performers.anticipated_targets import with_anticipated_targets, with_expected_positions
 from studio.core.solver.performers.stage import leader_track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
 
 FloatArray = NDArray[np.float64]
-Solve = Callable[[str, AdaptRequest], AdaptedMotion]
-"""Solve one performer of the cycle, by its id."""
+SolveMember = Callable[[str, AdaptRequest], AdaptedMotion]
+"""Function that solves one performer of the cycle, by its id."""
 
 JACOBI_ITERATIONS = 10
-"""Iterations over a cycle at most."""
+"""Greatest number of iterations over a cycle."""
 JACOBI_CONTRACTION = 0.6
-"""Required ratio of successive displacements; otherwise the displacement is halved, which stops a chase."""
-EVEN_RESIDUALS = 1e-4
-"""Residual in metres of both ends of a meeting below which neither dominates."""
+"""Greatest ratio of successive displacements; where it is exceeded, the displacement is halved, which stops a chase."""
+EVEN_RESIDUAL_METRES = 1e-4
+"""Residual in metres of both ends of a meeting below which neither end dominates."""
 
 
 @dataclass(frozen=True, eq=False)
 class CycleMember:
-    """One performer of a cycle: its request without the tracks of the others, and its placement."""
+    """One performer of a dependency cycle: its request without the tracks of the other members, and its placement."""
 
     request: AdaptRequest
     composite: Composite
     placement: Placement
     props: Mapping[str, Prop] = field(default_factory=dict)
-    """All props that it may follow, by id."""
+    """All props that the performer may follow, by id."""
     frame: int | None = None
-    """The one frame of its motion to be solved; None for all."""
+    """The one frame of the performer's motion to be solved; None for all."""
     expected: Mapping[FollowPerformer, FloatArray] = field(default_factory=dict)
-    """Positions (3,) of anticipated performers in that frame, in its own motion's space."""
+    """Positions (3,) of anticipated performers in that frame, in the motion's space of this performer."""
 
     @cached_property
     def times(self) -> FloatArray:
-        """Seconds (F,) of its motion to be solved."""
+        """Seconds (F,) of the performer's motion to be solved."""
         frames = np.arange(self.composite.motion.frame_count) if self.frame is None else np.array([self.frame])
         return np.asarray(frames / self.composite.timing.frame_rate)
 
 
 Paths = Mapping[tuple[str, FollowPerformer | FollowProp], Track]
-"""Tracks of followed performers and of their props, by follower and target."""
+"""Tracks of followed performers and props, by the id of the follower and the followed target."""
 
 
 @dataclass(frozen=True)
 class MutualFollow:
-    """Two points that follow each other: their performers, and constraint rows."""
+    """Two position constraints of two performers that follow each other's points."""
 
     keys: tuple[str, str]
+    """Ids of the performers."""
     rows: tuple[int, int]
+    """Indices of the constraints in the performers' requests."""
 
 
 @dataclass(frozen=True, eq=False)
 class CycleSolution:
-    """Solution of a cycle: motions, last requests, tracks of all followed points, and the number of iterations."""
+    """Solution of a dependency cycle."""
 
     results: Mapping[str, AdaptedMotion]
+    """Adapted motions by performer."""
     requests: Mapping[str, AdaptRequest]
+    """Last requests by performer."""
     paths: Paths
+    """Tracks of all followed points in the last requests."""
     iterations: int
+    """Number of iterations."""
 
 
 def solve_cycle(
     players: Mapping[str, CycleMember],
-    solve: Solve,
+    solve: SolveMember,
     expected: Paths = MappingProxyType({}),
     sweeps: int = JACOBI_ITERATIONS,
 ) -> CycleSolution:
-    """Solve performers who follow each other, from their grounded poses, or from ``expected`` tracks."""
+    """Solve performers who follow each other, from their grounded poses, or from ``expected`` tracks of an earlier
+    solution.
+    """
     meetings = mutual_follows(players)
     requests = {key: each.request for key, each in players.items()}
     if expected:
@@ -118,8 +126,9 @@ def _solution(
     paths: Paths,
     sweeps: int,
 ) -> CycleSolution:
-    """Solution with residuals measured on the final poses of all performers, not on those at the start of the last
-    iteration.
+    """``CycleSolution`` with residuals measured on the final poses of all performers.
+
+    The solver's own residuals refer to the poses at the start of the last iteration.
     """
     from studio.core.solver.asking.measured_residuals import with_residuals_remeasured
 
@@ -132,17 +141,19 @@ def _solution(
 
 
 def _following_paths(key: str, player: CycleMember, paths: Paths) -> AdaptRequest:
+    """Request of a performer with the tracks that it follows in ``paths``."""
     return replace(player.request, tracks={**player.request.tracks, **_own_tracks(key, player, paths)})
 
 
 def _own_tracks(key: str, player: CycleMember, paths: Paths) -> Tracks:
+    """Tracks of ``paths`` that one performer follows, with anticipated targets."""
     own: Tracks = {follow: track for (whose, follow), track in paths.items() if whose == key}
     own = with_expected_positions(own, player.expected)
     return with_anticipated_targets(own, player.request.constraints, player.composite.timing.frame_rate)
 
 
 def mutual_follows(players: Mapping[str, CycleMember]) -> tuple[MutualFollow, ...]:
-    """Pairs of position constraints that follow each other's points while both are active."""
+    """Pairs of position constraints of two performers that follow each other's points."""
     found = []
     for one, other in combinations(players, 2):
         for row, first in _following(players[one], other):
@@ -153,6 +164,7 @@ def mutual_follows(players: Mapping[str, CycleMember]) -> tuple[MutualFollow, ..
 
 
 def _following(player: CycleMember, leader: str) -> Iterable[tuple[int, PositionConstraint]]:
+    """(index, constraint) of each position constraint of a performer that follows ``leader``."""
     for row, each in enumerate(player.request.constraints):
         target = each.target if isinstance(each, PositionConstraint) else None
         if isinstance(target, FollowPerformer) and target.performer_id == leader:
@@ -161,6 +173,7 @@ def _following(player: CycleMember, leader: str) -> Iterable[tuple[int, Position
 
 
 def _target(constraint: PositionConstraint) -> FollowPerformer:
+    """Followed point of another performer that is a position constraint's target."""
     assert isinstance(constraint.target, FollowPerformer)
     return constraint.target
 
@@ -168,7 +181,7 @@ def _target(constraint: PositionConstraint) -> FollowPerformer:
 def paths_of(
     players: Mapping[str, CycleMember], results: Mapping[str, AdaptedMotion]
 ) -> Iterable[tuple[tuple[str, FollowPerformer | FollowProp], Track]]:
-    """``Paths`` of ``results``."""
+    """((follower, target), track) of everything in ``results`` that members of the cycle follow."""
     for key, player in players.items():
         for follow in {follow for each in player.request.constraints for follow in follows_of(each)}:
             if isinstance(follow, FollowProp) and player.props[follow.prop_id].holders & (players.keys() - {key}):
@@ -184,7 +197,7 @@ def paths_of(
 def _prop_path(
     follow: FollowProp, player: CycleMember, players: Mapping[str, CycleMember], results: Mapping[str, AdaptedMotion]
 ) -> Track:
-    """Track of a prop held by others of the cycle, in one performer's space."""
+    """Track of a prop held by other members of the cycle, in the space of the performer that follows it."""
     from studio.core.solver.performers.prop_tracks import Holder, stage_track, track_in_motion_space
 
     prop, seconds = player.props[follow.prop_id], player.composite.timing.begin + player.times
@@ -203,7 +216,10 @@ def _meet(
     before: Paths,
     tracks: dict[tuple[str, FollowPerformer | FollowProp], Track],
 ) -> None:
-    """Set the meeting point of both: first by their weights, then nearer to the one that did not arrive."""
+    """Write the meeting point of two mutually following points into ``tracks``.
+
+    At first it lies between them by the weights of the constraints; later it moves towards the one that did not arrive.
+    """
     for first in (True, False):
         me, row = (meeting.keys[0], meeting.rows[0]) if first else (meeting.keys[1], meeting.rows[1])
         other, column = (meeting.keys[1], meeting.rows[1]) if first else (meeting.keys[0], meeting.rows[0])
@@ -222,19 +238,19 @@ def _meet(
             held_there = theirs.activation.at(theirs_times)[:, None] ** 3
             residual, miss_there = held * (mine - place), held_there * (other_place - place)
             far, far_there = (np.linalg.norm(each, axis=1, keepdims=True) for each in (residual, miss_there))
-            place = place + (far * residual + far_there * miss_there) / (far + far_there + EVEN_RESIDUALS)
+            place = place + (far * residual + far_there * miss_there) / (far + far_there + EVEN_RESIDUAL_METRES)
         tracks[me, follow] = Track(place, tracks[me, follow].rotations)
 
 
 def _point(player: CycleMember, result: AdaptedMotion, constraint: PositionConstraint) -> FloatArray:
-    """Positions (F, 3) of a player's constrained point, in its motion's space."""
+    """Positions (F, 3) of a performer's constrained point, in its motion's space."""
     from studio.core.solver.adapt import body_point_positions
 
     return body_point_positions(constraint.point, result)
 
 
 def _apart(player: CycleMember, other: CycleMember) -> float:
-    """Difference in seconds between the times of two performers' motions at the same moment."""
+    """Seconds to be added to times of ``player``'s motion to get times of ``other``'s."""
     return player.composite.timing.begin - other.composite.timing.begin
 
 
@@ -243,7 +259,7 @@ def _moved(
     before: Paths,
     after: Paths,
 ) -> float:
-    """Greatest displacement in metres of followed points, weighted by activation."""
+    """Greatest displacement in metres of followed points between two iterations, weighted by activation."""
     moved = 0.0
     for (key, follow), track in after.items():
         displacements = np.linalg.norm(track.positions - before[key, follow].positions, axis=1)
@@ -254,4 +270,5 @@ def _moved(
 
 
 def _halfway(before: Track, after: Track) -> Track:
+    """Track half way between two tracks."""
     return Track((before.positions + after.positions) / 2, after.rotations)

@@ -1,4 +1,4 @@
-"""Tracks of followed targets: position and rotation at every frame of a motion, in that motion's space."""
+"""Tracks of followed targets: position and rotation at every frame, in the space of the follower's motion."""
 
 from collections.abc import Sequence
 
@@ -30,15 +30,15 @@ _UNTURNED = np.eye(3)[None]
 def point_track(
     point: BodyPoint, turn: Quaternion, positions: FloatArray, rotations: FloatArray, body: Morphology
 ) -> Track:
-    """Track of a point of a body posed by ``positions`` (F, P, 3) and ``rotations`` (F, S, 3, 3)."""
+    """Track of a point of a body in frames with ``positions`` (F, P, 3) and ``rotations`` (F, S, 3, 3)."""
     origin, segment = point_indices(point, body.layout)
     axes = rotations[:, segment]
     return Track(positions[:, origin] + axes @ np.array(point.offset), axes @ to_matrix(np.array(turn)))
 
 
 def own_track(place: OwnPlace, unasked: UnconstrainedPoses, body: AnyMorphology, frame_rate: float) -> Track:
-    """Track of one frame: the world position, in metres, of a point of the unconstrained motion at ``place.time``,
-    moved by the offset in leg lengths.
+    """Track, of one frame, of a point of the unconstrained motion at ``place.time``, moved by the offset in leg
+    lengths.
     """
     row = min(max(round(place.time * frame_rate), 0), len(unasked.positions) - 1)
     origin, segment = point_indices(place.point, body.first_frame_body.layout)
@@ -56,7 +56,8 @@ def performer_track(
 ) -> Track:
     """Track of a point of another performer at ``placement``, in the space of a performer at ``own``.
 
-    ``adapted`` is the other's whole motion, ``rows`` (F,) its fractional frame at each of ours.
+    ``adapted`` is the other performer's whole motion, ``rows`` (F,) its fractional frame index for each frame of the
+    result.
     """
     t = np.clip(np.asarray(rows, dtype=np.float64), 0.0, adapted.frame_count - 1.0)
     before = np.minimum(t.astype(np.int64), max(adapted.frame_count - 2, 0))
@@ -72,7 +73,7 @@ def performer_track(
 
 
 def captured_joint_track(follow: FollowTracked, capture: Capture, frames: NDArray[np.int64] | None = None) -> Track:
-    """Track of a captured joint, in the space of the capture's motion; in some ``frames`` (N,), or in all.
+    """Track of a captured joint in the space of the capture's motion, in some ``frames`` (N,) or in all.
 
     Raises StudioError if there is no such joint.
     """
@@ -90,9 +91,10 @@ def captured_joint_track(follow: FollowTracked, capture: Capture, frames: NDArra
 def tracked_in_row(
     follow: FollowTracked, captures: Sequence[Capture], composite: Composite, leg_length: float
 ) -> Track:
-    """``captured_joint_track`` in the space of a row's motion: in each frame of the playing clip, the newer of two.
+    """Track of a captured joint in the space of a performer's motion, from the capture of the clip that plays at each
+    frame.
 
-    ``captures`` are those of the row's clips.
+    Where two clips are blended, the newer one counts. ``captures`` are those of the performer's clips.
     """
     count = composite.motion.frame_count
     places, axes = np.zeros((count, 3)), np.tile(np.eye(3), (count, 1, 1))

@@ -1,4 +1,4 @@
-"""Tracks of props: fixed, keyed, procedural, or held by a performer; on the stage, as arrays over time."""
+"""Tracks of props on the stage: fixed, keyed, procedural, or held by a performer."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -26,35 +26,38 @@ from studio.core.stage.timing import Timing
 FloatArray = NDArray[np.float64]
 
 CARRYING_HANDS = (BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)
-HANDING, LIFTING = 0.3, 1.2
-"""Least seconds in which a prop blends into a hand and to where it is put, and its greatest speed, m/s."""
+"""Parts that carry a prop."""
+LEAST_HAND_OVER_SECONDS, MAX_HAND_OVER_SPEED = 0.3, 1.2
+"""Least seconds in which a prop moves into a hand, or to where it is put down, and its greatest speed meanwhile,
+m/s.
+"""
 
 
 class Hands(Protocol):
     """Hands of a performer that may hold a prop, at given times."""
 
     def track(self, hold: InHand | Carried) -> Track:
-        """Track of a held prop on the stage; one frame for each time."""
+        """Track on the stage of a prop held by these hands, one frame for each time."""
 
     def pose_at(self, time: float) -> "Hands":
-        """The same at one second of the stage."""
+        """The same hands at one ``time`` of the stage, seconds."""
 
 
 @dataclass(frozen=True, eq=False)
 class Holder:
-    """Performer that holds a prop: its motion, fractional frames ``rows`` (F,), and placement.
-
-    ``whole`` are all its frames, ``timing`` their times, for a prop that is picked up or put down.
-    """
+    """Hands of a performer with an adapted motion."""
 
     motion: AdaptedMotion
     rows: ArrayLike
+    """(F,) fractional frame indices of ``motion``."""
     placement: Placement
     whole: AdaptedMotion | None = None
+    """All frames of the performer's motion, for a prop that is picked up or put down."""
     timing: Timing | None = None
+    """Times of all frames, for a prop that is picked up or put down."""
 
     def pose_at(self, time: float) -> "Holder":
-        """The same at one second of the stage."""
+        """The same hands at one ``time`` of the stage, seconds."""
         passed = self.motion.passed_constraints.get(time)
         whole = passed or self.whole or self.motion
         timing = passed.composite.timing if passed and passed.composite else self.timing
@@ -62,7 +65,7 @@ class Holder:
         return replace(self, motion=whole, rows=rows)
 
     def track(self, hold: InHand | Carried) -> Track:
-        """Track of a held prop on the stage."""
+        """Track on the stage of a prop held by these hands, one frame for each time."""
         motion, placement = self.motion, self.placement
         if isinstance(hold, InHand):
             return performer_track(hold.point, hold.turn, motion, self.rows, placement, Placement())
@@ -74,24 +77,22 @@ class Holder:
 
 @dataclass(frozen=True, eq=False)
 class OwnHands:
-    """Hands of a grounded body at ``placement``, in frames ``rows`` (F,) of its motion.
-
-    Constraints that keep hands on the prop do not move it.
-    """
+    """Hands of the grounded body, before constraints; those that keep hands on the prop so do not move it."""
 
     unconstrained: UnconstrainedPoses
     body: AnyMorphology
     placement: Placement
     rows: NDArray[np.int64]
+    """(F,) frame indices of the motion."""
     timing: Timing | None = None
 
     def pose_at(self, time: float) -> "OwnHands":
-        """The same at one second of the stage."""
+        """The same hands at one ``time`` of the stage, seconds."""
         rows = np.rint(self.timing.frames_at([time])).astype(np.int64) if self.timing else np.zeros(1, dtype=np.int64)
         return replace(self, rows=rows)
 
     def track(self, hold: InHand | Carried) -> Track:
-        """Track of a held prop on the stage."""
+        """Track on the stage of a prop held by these hands, one frame for each time."""
         rows = self.rows.clip(0, len(self.unconstrained.positions) - 1)
         positions, rotations = self.unconstrained.positions[rows], self.unconstrained.rotations[rows]
         if isinstance(hold, Carried):
@@ -104,17 +105,18 @@ class OwnHands:
 def stage_track(prop: Prop, seconds: ArrayLike, hands: Mapping[str, Hands] = MappingProxyType({})) -> Track:
     """Track of a prop on the stage at ``seconds`` (F,); one frame for all if it is fixed.
 
-    ``hands`` are of its holders, at these seconds; a missing holder does not play yet, and does not hold it.
+    ``hands`` are those of its holders at these seconds. A holder that is missing does not play yet, and does not hold
+    the prop.
     """
     times = np.atleast_1d(np.asarray(seconds, dtype=np.float64))
     return _left_by([place for place, each in enumerate(prop.holds) if each.performer_id in hands], prop, times, hands)
 
 
 def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mapping[str, Hands]) -> Track:
-    """Track of a prop after its holders ``places`` in order, as if there were no later holds.
+    """Track of a prop after the holds with the indices ``places``, in order, as if there were no later ones.
 
-    When taken, it blends from its position, or from the giver's hands, into the holder's; when put down, from there to
-    its position.
+    When taken, it blends from its position, or from the giver's hands, into the holder's hands; when put down, from
+    there to its position.
     """
     if not places:
         return _unheld(prop, times)
@@ -146,27 +148,28 @@ def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mappin
 
 def hand_over_seconds(distance: float) -> float:
     """Seconds in which a prop is moved ``distance`` metres into the hands."""
-    return max(HANDING, QUINTIC_PEAK_SLOPE * distance / LIFTING)
+    return max(LEAST_HAND_OVER_SECONDS, QUINTIC_PEAK_SLOPE * distance / MAX_HAND_OVER_SPEED)
 
 
 def _at(moment: float, places: Sequence[int], prop: Prop, hands: Mapping[str, Hands]) -> Track:
-    """``_left_by`` at one second."""
+    """Track of one frame, at the second ``moment``, of a prop after the holds ``places``."""
     return _left_by(places, prop, np.array([moment]), {key: each.pose_at(moment) for key, each in hands.items()})
 
 
 def _spread(track: Track, count: int) -> Track:
-    """Copy of a track with ``count`` frames."""
+    """Copy of a track with ``count`` frames, from one with as many or with one."""
     places, rotations = np.broadcast_to(track.positions, (count, 3)), np.broadcast_to(track.rotations, (count, 3, 3))
     return Track(places.copy(), rotations.copy())
 
 
 def _put(track: Track, chosen: NDArray[np.bool_], other: Track) -> None:
-    """Copy another track in the ``chosen`` (F,) frames, in place."""
+    """Copy another track into the ``chosen`` (F,) frames of a track, in place."""
     other = _spread(other, len(chosen))
     track.positions[chosen], track.rotations[chosen] = other.positions[chosen], other.rotations[chosen]
 
 
 def _unheld(prop: Prop, times: FloatArray) -> Track:
+    """Track of a prop that nobody holds at ``times`` (F,)."""
     position, heading, tilt = prop.position, prop.heading, prop.tilt
     places = np.array(position)[None] if isinstance(position, tuple) else position.at(times)
     angles = heading.at(times)[:, 0] if isinstance(heading, KeyedNumber) else np.array([heading])
@@ -177,7 +180,7 @@ def _unheld(prop: Prop, times: FloatArray) -> Track:
 
 
 def _part_of(rotations: FloatArray, weights: FloatArray) -> FloatArray:
-    """Fractions ``weights`` (F,) of the rotations (F, 3, 3), as matrices (F, 3, 3)."""
+    """Rotations (F, 3, 3) by the fractions ``weights`` (F,) of the angles of ``rotations`` (F, 3, 3)."""
     from scipy.spatial.transform import Rotation  # late: it takes longer than a window
 
     vectors = Rotation.from_matrix(rotations).as_rotvec()
@@ -185,8 +188,10 @@ def _part_of(rotations: FloatArray, weights: FloatArray) -> FloatArray:
 
 
 def track_in_motion_space(follow: FollowProp, prop: Prop, track: Track, own: Placement) -> Track:
-    """Track of the followed point of a prop at ``track`` on the stage, in the space of a performer at ``own``; of one
-    along the arms, without its offset.
+    """Track of the followed point of a prop, in the space of a performer at ``own``.
+
+    ``track`` is that of the prop on the stage. A point followed along the arms is without its offset, which is added
+    later.
     """
     offset = np.array(follow.share) * np.array(prop.size) / 2 + (0.0 if follow.along_arms else np.array(follow.offset))
     places = track.positions + track.rotations @ offset
@@ -194,13 +199,13 @@ def track_in_motion_space(follow: FollowProp, prop: Prop, track: Track, own: Pla
 
 
 def own_hands(unasked: UnconstrainedPoses, body: AnyMorphology, timing: Timing, own: Placement) -> OwnHands:
-    """A body's own hands in every frame of its motion."""
+    """Hands of a grounded body in every frame of its motion."""
     return OwnHands(unasked, body, own, np.arange(len(unasked.positions)), timing)
 
 
 def carried_track(held: Carried, positions: FloatArray, rotations: FloatArray, body: AnyMorphology) -> Track:
-    """Track of a prop carried by a body with positions (F, P, 3) and rotations (F, S, 3, 3), in the space of its
-    motion.
+    """Track of a prop carried by a body with ``positions`` (F, P, 3) and ``rotations`` (F, S, 3, 3), in the motion's
+    space.
     """
     layout = body.first_frame_body.layout
     ends = [point_indices(BodyPoint(part, at_end=end), layout)[0] for part in CARRYING_HANDS for end in (False, True)]
@@ -213,6 +218,7 @@ def carried_track(held: Carried, positions: FloatArray, rotations: FloatArray, b
 def chest_headings(chests: FloatArray) -> FloatArray:
     """Headings (F,) of chests (F, 3, 3), radians about Z.
 
-    They follow from the axis to the left: the one ahead reverses its heading as a body bends down beyond level.
+    They are computed from the axis to the left, because the axis ahead reverses its heading as a body bends down beyond
+    level.
     """
     return np.asarray(np.arctan2(-chests[:, 0, 1], chests[:, 1, 1]))

@@ -1,4 +1,4 @@
-"""Row of clips of a performer as one motion, and its constraints in that motion's space."""
+"""The clips of a performer, played one after the other, as one motion, and its constraints in that motion's space."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -21,26 +21,28 @@ from studio.core.stage.project import Performer, Project
 from studio.core.stage.timing import Timing
 
 MotionOf = Callable[[str], NormalizedMotion]
-"""Normalised motion by a motion's id."""
+"""Function that returns the normalised motion with a motion's id."""
 
 
 @dataclass(frozen=True)
 class ClipConstraint:
-    """A constraint of one performer in one repeat of one of its clips, in the space of its motion."""
+    """A constraint of one performer in one repeat of one of its clips, in the space of the clip's motion."""
 
     constraint_id: str
     constraint: Constraint
     clip: int = 0
+    """Index of the clip among the performer's clips."""
     repeat: int = 0
+    """Index of the repeat of the clip."""
 
 
 def is_plain(clip: Clip) -> bool:
-    """True if a clip plays its motion unchanged."""
+    """True if a clip plays its motion at its own speed, once, without mirroring and in place."""
     return (clip.speed, clip.repeats, clip.mirrored, clip.turn, *clip.offset) == (1.0, 1, False, 0.0, 0.0, 0.0)
 
 
 def timing_of(project: Project, performer: Performer) -> Timing:
-    """Timing of a performer's clips on the stage, computed without their motions."""
+    """Timing of a performer's clips on the stage, computed without loading their motions."""
     clips = performer.clips
     rates = [project.frame_rate_of(clip) for clip in clips]
     if len(clips) == 1 and is_plain(clips[0]):
@@ -52,7 +54,7 @@ def timing_of(project: Project, performer: Performer) -> Timing:
 
 
 def frame_count_of(project: Project, performer: Performer) -> int:
-    """Number of frames of a performer's row: all of the capture for one plain clip."""
+    """Number of frames of a performer's motion; for one plain clip, those of the whole capture."""
     clips = performer.clips
     if len(clips) == 1 and is_plain(clips[0]):
         return project.captures[project.motions[clips[0].motion_id].capture_id].frame_count
@@ -60,8 +62,8 @@ def frame_count_of(project: Project, performer: Performer) -> int:
 
 
 def stage_span(project: Project) -> Timing | None:
-    """Frames of the stage: at the highest frame rate, from the first clip's start to the last one's end;
-    None if empty.
+    """Timing of the whole stage: highest frame rate, from the start of the first clip to the end of the last one; None
+    if empty.
     """
     playing = [each for each in project.performers.values() if each.clips and not project.missing_references(each)]
     timings = [timing_of(project, each) for each in playing]
@@ -73,7 +75,7 @@ def stage_span(project: Project) -> Timing | None:
 
 
 def composite_of(project: Project, performer_id: str, motion_of: MotionOf) -> Composite:
-    """Composite of a performer's clips and layers, with their contacts."""
+    """Composite motion of a performer's clips and layers, with their contacts."""
     performer = project.performers[performer_id]
     row = [
         piece
@@ -91,7 +93,7 @@ def composite_of(project: Project, performer_id: str, motion_of: MotionOf) -> Co
 
 
 def corrections_in(project: Project, performer_id: str, timing: Timing) -> tuple[Correction, ...]:
-    """Enabled corrections of a performer, in seconds of the motion of its row."""
+    """Enabled manual corrections of a performer, with times in seconds of its composite motion."""
     own = project.corrections_of(performer_id).values()
     return tuple(each.moved(-timing.begin) for each in own if each.enabled and each.weight > 0.0)
 
@@ -99,7 +101,7 @@ def corrections_in(project: Project, performer_id: str, timing: Timing) -> tuple
 def pieces_of(
     project: Project, performer_id: str, clip: Clip, motion_of: MotionOf, index: int = 0
 ) -> tuple[MotionPiece, ...]:
-    """Pieces of a clip at a ``index`` of a performer's row, one for each repeat."""
+    """Pieces of the composite motion for a clip at ``index`` of a performer's clips, one for each repeat."""
     motion, contacts = motion_of(clip.motion_id), tuple(project.contacts_for(performer_id, clip).values())
     own, once = PlanarTransform(clip.turn, clip.offset), clip.length(motion.frame_rate) / clip.repeats
     return tuple(
@@ -112,7 +114,7 @@ def pieces_of(
 
 
 def clip_transform(played: PlayedPiece, timing: Timing, leg_length: float) -> ClipTransform:
-    """Mapping of constraints from a piece's motion to where it plays, on a body of that leg length."""
+    """Mapping of constraints from the motion of a piece to the composite motion, on a body with that leg length."""
     piece, placement = played.piece, played.placement
     rate = piece.motion.frame_rate
     before = (
@@ -129,10 +131,10 @@ def clip_transform(played: PlayedPiece, timing: Timing, leg_length: float) -> Cl
 def constraints_in(
     asked: tuple[ClipConstraint, ...], composite: Composite, leg_length: float
 ) -> tuple[Constraint, ...]:
-    """Constraints mapped to their clips, in the same order.
+    """Constraints mapped to the composite motion, in the same order.
 
     Where a clip continues the one before it, as parts of a split clip do, a constraint of both is active throughout; a
-    grip on a prop also where the next clip or repeat plays another part of the motion.
+    grip on a prop is, too, where the next clip or repeat plays another part of the motion.
     """
     if composite.is_plain:
         return tuple(each.constraint for each in asked)
@@ -162,6 +164,9 @@ def constraints_in(
         )
 
     def carried(each: ClipConstraint) -> Constraint:
+        """Constraint mapped to its clip, and extended over the clips that continue it; never active if an earlier one
+        covers it.
+        """
         place = until = places[each.clip, each.repeat]
         while goes_on(each, until + 1):
             until += 1
@@ -172,7 +177,7 @@ def constraints_in(
 
 
 def _is_same(one: ClipConstraint, other: ClipConstraint) -> bool:
-    """True if two clips have the same constraint: one constraint, or a copy in each part of a split clip."""
+    """True if two clips have the same constraint: one of the same id, or a copy in each part of a split clip."""
     if one.constraint_id == other.constraint_id:
         return True
     first, second = vars(one.constraint), vars(other.constraint)

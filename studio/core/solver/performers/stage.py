@@ -33,18 +33,20 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Followed:
-    """Followed target: equal ones have equal tracks, and ``make`` computes these for a composite."""
+    """A followed target, and how to compute its track. Equal objects have equal tracks."""
 
     follow: Follow
     depends_on: tuple[Any, ...]
+    """All values that determine the track."""
     make: Callable[[Composite], Track | OwnPath] = field(compare=False)
+    """Computes the track for the frames of a composite motion."""
 
 
 def constraints_of_performer(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]:
     """Constraints of a performer in each of its clips, highest priority first.
 
-    A performer does not follow itself, except by a constraint of its own, which then follows a point of the same body.
-    Constraints on performers without clips are dropped. Per-character offsets are resolved.
+    A constraint on the performer itself is left out, unless it belongs to this performer alone: then it follows a point
+    of the same body. Constraints on performers without clips are left out. Per-character offsets are resolved.
     """
     known = project.known.get((constraints_of_performer, performer_id))
     if known is None:
@@ -53,6 +55,7 @@ def constraints_of_performer(project: Project, performer_id: str) -> tuple[ClipC
 
 
 def _asked_of(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]:
+    """Constraints of ``constraints_of_performer``, computed without its cache."""
     performer, playing = project.performers[performer_id], _playing(project)
     asked = [
         ClipConstraint(key, with_held_props_reflected(project, performer_id, clip, held, repeat), place, repeat)
@@ -73,14 +76,14 @@ def _asked_of(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]
 
 
 def _parts_of(constraint: Constraint, character: Character) -> tuple[Constraint, ...]:
-    """The constraint itself; of an area that a whole body keeps out of, one for each of its points."""
+    """The constraint itself, or for an area that a whole body keeps out of, one for each of the body's points."""
     if not (isinstance(constraint, AreaConstraint) and constraint.whole):
         return (constraint,)
     return areas_of(constraint, character.morphology, character.volume)
 
 
 def _playing(project: Project) -> Collection[str]:
-    """Performers with clips, cached for all performers."""
+    """Ids of the performers with clips, cached."""
     known = project.known.get(_playing)
     if known is None:
         known = project.known[_playing] = {key for key, each in project.performers.items() if each.clips}
@@ -88,7 +91,7 @@ def _playing(project: Project) -> Collection[str]:
 
 
 def leaders_of(project: Project, performer_id: str) -> set[str]:
-    """Other performers that a performer follows."""
+    """Ids of the other performers that a performer follows, directly or by the props that they hold."""
     known = project.known.get((leaders_of, performer_id))
     if known is None:
         follows = (
@@ -111,7 +114,10 @@ def props_of(project: Project, performer_id: str) -> tuple[Prop, ...]:
 
 
 def leaders_first(project: Project, performer_ids: Iterable[str]) -> tuple[tuple[str, ...], ...]:
-    """These performers and all that they follow, leaders first, dependency cycles together."""
+    """Dependency cycles of the given performers and all that they follow, in order of dependency.
+
+    Leaders come before their followers; a performer outside of any cycle is a cycle of one.
+    """
     leaders: dict[str, set[str]] = {}
     waiting = list(performer_ids)
     while waiting:
@@ -135,7 +141,7 @@ def leaders_first(project: Project, performer_ids: Iterable[str]) -> tuple[tuple
 
 
 def _dependency_cycles(keys: list[str], leaders: dict[str, set[str]]) -> dict[str, tuple[str, ...]]:
-    """Dependency cycle of each performer, mostly itself alone."""
+    """Dependency cycle of each performer, mostly the performer alone, by performer id."""
     if not any(leaders.values()):
         return {key: (key,) for key in keys}
 
@@ -159,10 +165,11 @@ def tracks_followed_by(
     constraints: Iterable[Constraint] | None = None,
     own: AdaptedMotion | None = None,
 ) -> tuple[Followed, ...] | None:
-    """All followed targets of a performer outside its own body; None while a leader's result is missing.
+    """Followed targets of a performer outside its own body; None while a leader's result is missing.
 
-    Those of its own ``circle`` are left out, with their props, because they are solved together. For some
-    ``constraints``, or for all. A prop in its own hands follows its grounded motion, ``own`` if that is known.
+    Other members of its dependency cycle ``circle``, and props that they hold, are left out, because they are solved
+    together. For ``constraints``, or by default for all of the performer. A prop in its own hands follows its grounded
+    motion, or ``own`` if that is given.
     """
     performer, others = project.performers[performer_id], {*circle} - {performer_id}
     found: dict[Follow, Followed] = {}
@@ -193,12 +200,12 @@ def tracks_followed_by(
 
 
 def tracks_of(followed: Iterable[Followed], composite: Composite) -> Tracks:
-    """Tracks of followed targets; may take seconds."""
+    """Tracks of followed targets in the frames of a composite motion; may take seconds."""
     return {each.follow: each.make(composite) for each in followed}
 
 
 def _prop(follow: FollowProp, project: Project, performer_id: str, results: Mapping[str, AdaptedMotion]) -> Followed:
-    """Followed prop of one performer; ``results`` are the motions of its holders."""
+    """Followed prop of one performer; ``results`` are the motions of the prop's holders, by performer id."""
     prop, own = project.props[follow.prop_id], Placement.of(project.performers[performer_id])
     leaders = {key: project.performers[key] for key in results}
     timings = {key: _timing_in(project, leaders[key], result) for key, result in results.items()}
@@ -233,6 +240,7 @@ def _prop(follow: FollowProp, project: Project, performer_id: str, results: Mapp
 
 
 def _tracked(follow: FollowTracked, project: Project, performer: Performer) -> Followed:
+    """Followed captured joint of one performer."""
     captures = tuple(project.captures[project.motions[clip.motion_id].capture_id] for clip in performer.clips)
     leg = project.characters[performer.character_id].morphology.leg_length
 
@@ -245,6 +253,7 @@ def _tracked(follow: FollowTracked, project: Project, performer: Performer) -> F
 
 
 def _performer(follow: FollowPerformer, project: Project, performer: Performer, result: AdaptedMotion) -> Followed:
+    """Followed point of another performer, with the motion ``result``."""
     leader = project.performers[follow.performer_id]
     timing, places = _timing_in(project, leader, result), (Placement.of(leader), Placement.of(performer))
 
@@ -260,7 +269,7 @@ def _timing_in(project: Project, leader: Performer, result: AdaptedMotion) -> Ti
 
 
 def _seconds_of(composite: Composite) -> FloatArray:
-    """Seconds (F,) of the stage of its frames."""
+    """Seconds (F,) of the stage at the frames of a composite motion."""
     return composite.timing.begin + np.arange(composite.motion.frame_count) / composite.timing.frame_rate
 
 
@@ -274,7 +283,7 @@ def leader_track(
 ) -> Track:
     """Track of another performer's point at ``seconds`` (F,) of the stage, in the space of a performer at ``own``.
 
-    ``result`` is the other's motion, with its ``timing`` and ``placement``.
+    ``result`` is the other performer's motion, with its ``timing`` and ``placement``.
     """
     from studio.core.solver.performers.followed_tracks import performer_track
 
@@ -290,10 +299,10 @@ def constraint_for_performer(
     *,
     mirrored: bool = False,
 ) -> Constraint | None:
-    """Constraint as it applies to one performer among those ``playing``; None if it does not.
+    """Constraint as it applies to one performer among those ``playing``; None if it does not apply.
 
-    See ``constraints_of_performer``. A prop that is always in the performer's own hand becomes a point of that hand; of
-    the other one for a clip that will be ``mirrored``.
+    The rules are those of ``constraints_of_performer``. A prop that is always in the performer's own hand becomes a
+    point of that hand, or of the other hand for a clip that will be ``mirrored``.
     """
     changes: dict[str, Any] = {}
     for name, value in vars(constraint).items():
@@ -317,7 +326,7 @@ def constraint_for_performer(
 
 
 def point_in_own_hand(follow: FollowProp, prop: Prop, held: InHand) -> FollowBody:
-    """Followed point of a prop in one's own hand, as a point of the body."""
+    """Followed point of a prop that is held in the own hand, as a point of the body."""
     offset = np.array(follow.offset)
     if follow.along_arms:
         offset = to_matrix(np.array(follow.turn)) @ offset
@@ -328,6 +337,7 @@ def point_in_own_hand(follow: FollowProp, prop: Prop, held: InHand) -> FollowBod
 
 
 def _is_at_itself(constraint: Constraint, follow: FollowPerformer) -> bool:
+    """True if a constraint on the own body follows its own point or segment."""
     if constraint.kind == "orientation":
         return follow.point.part == constraint.point.part
     return follow.point == constraint.point

@@ -1,1 +1,1 @@
-"""Kinds of constraint: task record, target trajectory and residual of each."""
+"""Kinds of constraint in the solver: task record, target trajectory and residual of each."""

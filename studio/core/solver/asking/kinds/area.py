@@ -11,7 +11,7 @@ from studio.core.solver.asking.task_rows import TaskRecords
 
 
 def write_task(rows: TaskRecords, c: int, constraint: AreaConstraint) -> None:
-    """Write the shape of the area, followed by its distance field for a mesh."""
+    """Write record ``c`` of an area constraint: the shape, followed by its distance field for a mesh."""
     if not rows.set_followed_point(c, constraint.centre):
         rows.positions[c] = rows.targets.positions(constraint.centre)
     rows.rotations[c] = rows.targets.area_rotations(constraint)

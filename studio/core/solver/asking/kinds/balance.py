@@ -10,14 +10,14 @@ from studio.core.solver.asking.posed_points import target_positions
 from studio.core.solver.asking.target_trajectory import TargetTrajectory, UnsolvedTask, trajectory_to
 from studio.core.solver.asking.task_rows import TaskRecords
 from studio.core.solver.asking.tracks import Targets
+from studio.core.solver.grounding.support_polygon import mass_path
 from studio.core.solver.request import AdaptedMotion
-from studio.core.solver.standing.support_polygon import mass_path
 
 FloatArray = NDArray[np.float64]
 
 
 def write_task(rows: TaskRecords, c: int, constraint: BalanceConstraint) -> None:
-    """Write the target; NaN stands for the motion's own centre of mass."""
+    """Write record ``c`` of a balance constraint: its target, NaN where the motion's own centre of mass is kept."""
     rows.tasks["axes"][c] = 3 if constraint.vertical else 2
     place = constraint.place
     rows.tasks["blends"][c] = not rows.set_followed_point(c, place)
@@ -29,7 +29,7 @@ def write_task(rows: TaskRecords, c: int, constraint: BalanceConstraint) -> None
 
 
 def residual(constraint: BalanceConstraint, targets: Targets, adapted: AdaptedMotion) -> FloatArray:
-    """Distance (F,) in metres from the centre of mass to its target, horizontal unless its height counts."""
+    """Distance (F,) in metres from the centre of mass to its target; horizontal unless its height counts."""
     target = np.array(targets.masses())
     if isinstance(constraint.place, tuple) and len(constraint.place) == 2:
         target[:, :2] = constraint.place
@@ -41,7 +41,7 @@ def residual(constraint: BalanceConstraint, targets: Targets, adapted: AdaptedMo
 
 
 def trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
-    """Trajectory from the centre of mass to its target."""
+    """Target trajectory from the unsolved centre of mass."""
     return trajectory_to(unsolved.target_positions, mass_path(unsolved.positions, unsolved.body))
 
 

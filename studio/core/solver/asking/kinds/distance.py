@@ -17,8 +17,9 @@ FloatArray = NDArray[np.float64]
 
 
 def write_task(rows: TaskRecords, c: int, constraint: DistanceConstraint) -> None:
-    """Write the task record ``c`` of a distance constraint: both ends and the distance; if both ends may move, each
-    takes a part of the correction.
+    """Write record ``c`` of a distance constraint: both ends and the distance.
+
+    If both ends may move, each makes a part of the correction.
     """
     row = rows.tasks[c]
     rows.distances[c] = rows.targets.numbers(constraint.distance)
@@ -34,13 +35,13 @@ def write_task(rows: TaskRecords, c: int, constraint: DistanceConstraint) -> Non
 
 
 def residual(constraint: DistanceConstraint, targets: Targets, adapted: AdaptedMotion) -> FloatArray:
-    """Difference (F,) in metres from the target distance."""
+    """Absolute difference (F,) in metres between the distance of both ends and its target."""
     apart = point_positions(constraint.point, adapted) - target_positions(constraint.other, targets, adapted)
     return np.asarray(np.abs(np.linalg.norm(apart, axis=1) - targets.numbers(constraint.distance)))
 
 
 def trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
-    """Trajectory of the distance between both ends."""
+    """Target trajectory of the distance between both ends."""
     now = np.linalg.norm(unsolved.point_positions - unsolved.target_positions, axis=1, keepdims=True)
     return unsolved.rows.distances[unsolved.c][:, None] - now, goals.RADIAN_LENGTH
 

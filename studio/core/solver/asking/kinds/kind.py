@@ -1,4 +1,4 @@
-"""Functions of the solver for a kind of constraint, beside its kernels."""
+"""Description of a kind of constraint to the solver, beside its kernels."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,16 +17,15 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class SolverKind:
-    """Functions of the solver for one kind.
-
-    ``code`` is its number in the kernels. ``write_task`` writes constraint c of the records. ``trajectory`` is its
-    target relative to the unsolved poses. ``residual`` measures poses: (F,) metres or radians at full activation, None
-    if only the solver knows it. ``enters``: the kind is active only inside a region, so that it begins and ends within
-    its activation.
-    """
+    """One kind of constraint in the solver."""
 
     code: int
+    """Number of the kind in the kernels."""
     write_task: Callable[[TaskRecords, int, Any], None]
+    """Writes a constraint into the record with a given index."""
     trajectory: Callable[[UnsolvedTask], TargetTrajectory]
+    """Trajectory of the target relative to the unsolved poses."""
     residual: Callable[[Any, Targets, AdaptedMotion], FloatArray] | None = None
+    """Residuals (F,) of given poses at full activation, metres or radians; None if only the solver knows them."""
     enters: bool = False
+    """True if the kind is active only inside a region, so that it begins and ends within its activation."""

@@ -17,7 +17,7 @@ FloatArray = NDArray[np.float64]
 
 
 def write_task(rows: TaskRecords, c: int, constraint: LookAtConstraint) -> None:
-    """Write the target; the task moves the parents of the eyes, and no limb."""
+    """Write record ``c`` of a look-at constraint: its target. The task moves the parents of the eyes, and no limb."""
     if not rows.set_followed_point(c, constraint.target):
         rows.positions[c] = rows.targets.positions(constraint.target)
     rows.tasks["limbs"][c, 0] = -1
@@ -33,7 +33,7 @@ def residual(constraint: LookAtConstraint, targets: Targets, adapted: AdaptedMot
 
 
 def trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
-    """Trajectory of the gaze on the unit sphere."""
+    """Target trajectory of the gaze direction on the unit sphere."""
     displacement = unsolved.target_positions - unsolved.point_positions
     return displacement / np.maximum(
         np.linalg.norm(displacement, axis=1, keepdims=True), 1e-9

@@ -20,13 +20,13 @@ FloatArray = NDArray[np.float64]
 
 
 def write_task(rows: TaskRecords, c: int, constraint: OrientationConstraint) -> None:
-    """Write the target rotation, or the followed segment."""
+    """Write record ``c`` of an orientation constraint: its target rotation, or the followed segment."""
     if not rows.set_followed_point(c, constraint.target):
         rows.rotations[c] = rows.targets.rotations(constraint.target)
 
 
 def residual(constraint: OrientationConstraint, targets: Targets, adapted: AdaptedMotion) -> FloatArray:
-    """Angle (F,) in radians to the target."""
+    """Angle (F,) in radians from the constrained segment to its target."""
     return angle_to(_turns(constraint.target, targets, adapted), constraint, adapted)
 
 
@@ -37,6 +37,7 @@ def angle_to(goal: FloatArray, constraint: Constraint, adapted: AdaptedMotion) -
 
 
 def _turns(target: object, targets: Targets, adapted: AdaptedMotion) -> FloatArray:
+    """Target rotations (F or 1, 3, 3), or those of a followed segment of the body."""
     if isinstance(target, FollowBody):
         segment = point_indices(target.point, adapted.morphology.layout)[1]
         return np.asarray(adapted.rotations[:, segment] @ to_matrix(np.array(target.turn)))
@@ -55,7 +56,7 @@ def _angle(one: FloatArray, other: FloatArray) -> FloatArray:
 
 
 def trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
-    """Rotation vector from the segment to its target."""
+    """Target trajectory: rotation vectors from the segment to its target."""
     errors = unsolved.target_rotation @ np.swapaxes(unsolved.segment_rotations, 1, 2)
     return np.asarray(Rotation.from_matrix(errors).as_rotvec()), 1.0
 

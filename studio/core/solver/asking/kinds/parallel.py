@@ -17,7 +17,10 @@ FloatArray = NDArray[np.float64]
 
 
 def write_task(rows: TaskRecords, c: int, constraint: ParallelConstraint) -> None:
-    """Write a keep-upright task whose direction follows the other segment; rows rotate both where both are trunk."""
+    """Write record ``c`` of a parallel constraint: a keep-upright task whose direction is fixed to the other segment.
+
+    Rows rotate both segments if both are in the trunk.
+    """
     rows.set_followed_point(c, FollowBody(constraint.other))
     rows.tasks["offsets"][c, 1], rows.tasks["relative"][c, :, 0] = constraint.axis, constraint.other_axis
     rows.tasks["end_fractions"][c, 1] = limb_of(constraint.other.part) < 0
@@ -25,7 +28,7 @@ def write_task(rows: TaskRecords, c: int, constraint: ParallelConstraint) -> Non
 
 
 def residual(constraint: ParallelConstraint, _targets: Targets, adapted: AdaptedMotion) -> FloatArray:
-    """Angle (F,) in radians beyond the cone."""
+    """Angle (F,) in radians between both axes beyond the cone."""
     layout = adapted.morphology.layout
     one, other = (point_indices(point, layout)[1] for point in (constraint.point, constraint.other))
     return constraint.lean(adapted.rotations[:, one], adapted.rotations[:, other])

@@ -19,7 +19,10 @@ FloatArray = NDArray[np.float64]
 
 
 def write_task(rows: TaskRecords, c: int, constraint: PositionConstraint) -> None:
-    """Write the target, or the followed point; a point of the own body on another limb becomes a zero distance."""
+    """Write record ``c`` of a position constraint: its target, or the followed point.
+
+    A followed point of the own body on another limb becomes a zero distance of both points.
+    """
     target = constraint.target
     if isinstance(target, FollowBody) and _is_pair(constraint):
         # Nought metres from where the other point comes to be, by moving this one alone.
@@ -32,9 +35,8 @@ def write_task(rows: TaskRecords, c: int, constraint: PositionConstraint) -> Non
 
 
 def _is_pair(constraint: Constraint) -> bool:
-    """True if a position follows a point of its own body on another limb, or on no limb.
-
-    The kernel then solves both points together.
+    """True if a position follows a point of its own body that is not on the same limb, so that the kernel solves both
+    points together.
     """
     if not isinstance(constraint, PositionConstraint) or not isinstance(constraint.target, FollowBody):
         return False

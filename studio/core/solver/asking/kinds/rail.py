@@ -1,4 +1,4 @@
-"""Rail tasks: a point on a line or on a plane, as an area of that shape."""
+"""Rail tasks: a point on a line or a plane, solved as an area of that shape."""
 
 import numpy as np
 
@@ -15,7 +15,9 @@ _SHAPES = {
 
 
 def write_task(rows: TaskRecords, c: int, constraint: RailConstraint) -> None:
-    """Write the rail as an area, with its centre and the rotation that takes x to its direction."""
+    """Write record ``c`` of a rail constraint: an area with the rail's centre and the rotation that takes x to its
+    direction.
+    """
     if not rows.set_followed_point(c, constraint.centre):
         rows.positions[c] = rows.targets.positions(constraint.centre)
     rows.rotations[c] = rows.targets.rail_rotations(constraint)

@@ -16,19 +16,21 @@ FloatArray = NDArray[np.float64]
 
 
 def write_task(rows: TaskRecords, c: int, constraint: UprightConstraint) -> None:
-    """Write the axis as second offset, the direction as target and the cone as distance."""
+    """Write record ``c`` of a keep-upright constraint: the axis as second offset, the direction as target, the cone as
+    distance.
+    """
     rows.tasks["offsets"][c, 1] = constraint.axis
     rows.positions[c], rows.distances[c] = np.array([constraint.direction]), np.array([constraint.cone])
 
 
 def residual(constraint: UprightConstraint, _targets: Targets, adapted: AdaptedMotion) -> FloatArray:
-    """Lean (F,) in radians beyond the cone."""
+    """Lean (F,) in radians of the axis beyond the cone."""
     segment = point_indices(constraint.point, adapted.morphology.layout)[1]
     return constraint.lean(adapted.rotations[:, segment])
 
 
 def trajectory(unsolved: UnsolvedTask) -> TargetTrajectory:
-    """Displacement of the axis from its cone, towards its direction."""
+    """Target trajectory of the axis, from its lean beyond the cone towards the direction."""
     direction, cone = unsolved.rows.positions[unsolved.c], unsolved.rows.distances[unsolved.c][:, None]
     if unsolved.task_record["points"][1] >= 0:
         direction = unsolved.target_rotation[..., 0]

@@ -1,1 +1,0 @@
-"""Grounding: a motion on one body and on the ground, before any constraint."""
