@@ -59,4 +59,4 @@ def _floor_under(heights: FloatArray, drift: float) -> FloatArray:
     ramp = drift * np.arange(len(heights))
     before = np.minimum.accumulate(heights - ramp) + ramp
     after = np.minimum.accumulate((heights + ramp)[::-1])[::-1] - ramp
-    return np.minimum(before, after)
+    return np.asarray(np.minimum(before, after))

@@ -283,8 +283,8 @@ def _contacts_of(marks: Landmarks, capture: Capture, *, on_steps: bool = False) 
         down = low | contact_mask(bodies[ContactPoint.SEAT], len(points))
         middle = soles[:, side, :2].mean(axis=1)
         feet[toe] = joined_over_still_gaps(trailing_toe_contacts(feet[toe], toes[:, side], down, rate), middle)
-        for point, own in ((heel, soles[:, side, 0]), (toe, soles[:, side, 1])):
-            feet[point] = parted_at_slides(feet[point], own, middle, down | prone, rate)
+        for point, sole_point in ((heel, soles[:, side, 0]), (toe, soles[:, side, 1])):
+            feet[point] = parted_at_slides(feet[point], sole_point, middle, down | prone, rate)
         feet[heel], feet[toe] = with_step_gaps_closed(feet[heel], feet[toe], middle, shortest)
     # Low hips say what knees and toes do; but of who crawls they are carried, until it lies flat.
     flat = tracks[ContactPoint.SEAT][:, 2] < LYING_HIP_HEIGHT * leg
