@@ -9,7 +9,7 @@ from studio import api
 from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.correction import PoseOffsets, new_correction, new_correction_range
 from studio.core.stage.holding import REACH_SPEED
-from studio.core.stage.local_pose import POSE_REGIONS, local_pose, turns_to
+from studio.core.stage.local_pose import POSE_REGIONS, local_pose, offsets_towards
 from studio.engine.correction_range import fitted_range
 from studio.engine.posed_performer import row_at
 
@@ -34,7 +34,7 @@ def test_no_limb_becomes_much_faster_where_a_saved_pose_is_applied(applied_at, s
     timing, time = timing_of(scene.project, scene.project.performers[walker]), applied_at / speed
     layout, parts = plain.morphology.layout, POSE_REGIONS["Whole body"]
     pose = local_pose(layout, saved.rotations[round(SAVED_AT * saved.frame_rate)], 0.0)
-    turns = turns_to(layout, plain.rotations[row_at(plain, timing, time)], pose, parts, 1.0, {})
+    turns = offsets_towards(layout, plain.rotations[row_at(plain, timing, time)], pose, parts, 1.0, {})
     offsets = PoseOffsets(tuple(turns.items()))
     limbs = [point(side) for point in (layout.wrist_point, layout.ankle_point) for side in range(2)]
     ends = [0, layout.head_joint, *limbs]
