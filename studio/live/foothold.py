@@ -33,7 +33,7 @@ LOWERING_SECONDS = 0.12
 """Seconds in which a foot that begins to stand is lowered to the ground and levelled."""
 RELEASE_DISTANCE_LEGS = 0.15
 """Horizontal distance in leg lengths between received and displayed ankle at which a standing foot is released."""
-CLIMB_SMOOTHING_SECONDS = 0.1
+GROUND_SMOOTHING_SECONDS = 0.1
 """Smoothing time in seconds of the height of the ground."""
 LOOK_AHEAD_SECONDS = 0.15
 """Seconds of look-ahead, at the current velocity, for which a foot in the air is kept above the ground."""
@@ -58,7 +58,7 @@ class DampedHeight:
 
     def follow(self, goal: float, dt: float) -> float:
         """Advance by ``dt`` seconds towards ``goal`` and return the height."""
-        rate = 2.0 / CLIMB_SMOOTHING_SECONDS
+        rate = 2.0 / GROUND_SMOOTHING_SECONDS
         gap, decay = self.value - goal, math.exp(-rate * dt)
         push = self.speed + rate * gap
         self.value, self.speed = goal + (gap + push * dt) * decay, (self.speed - rate * push * dt) * decay

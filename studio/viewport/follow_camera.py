@@ -7,7 +7,7 @@ import numpy as np
 from studio.engine.posed_performer import PosedPerformer
 from studio.viewport.camera import FloatArray, OrbitCamera
 
-FOLLOW_SMOOTHING_SECONDS = 0.6
+HALF_CAMERA_WINDOW_SECONDS = 0.6
 """Half of the smoothing window in seconds."""
 
 
@@ -41,7 +41,7 @@ def smoothed_root(pose: PosedPerformer) -> FloatArray:
 
     A performer driven by live input has only its current position; the smoothing offset is taken from its clips.
     """
-    roots, reach = pose.over_time.positions[:, 0], round(FOLLOW_SMOOTHING_SECONDS * pose.motion.frame_rate)
+    roots, reach = pose.over_time.positions[:, 0], round(HALF_CAMERA_WINDOW_SECONDS * pose.motion.frame_rate)
     here = pose.frame - pose.over_time.first_frame
     here, *rows = np.clip([here, *range(here - reach, here + reach + 1)], 0, len(roots) - 1)
     root = pose.motion.positions[pose.row, 0] + roots[rows].mean(axis=0) - roots[here]

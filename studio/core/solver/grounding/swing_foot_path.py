@@ -39,7 +39,7 @@ SOFTENING_FACTOR, SOFTENING_ROUNDS, SOFTENING_MARGIN = 1.5, 8, 0.1
 """Factor of each softening of a path, greatest number of softenings, and seconds around a sharp bend that are
 softened.
 """
-ADDED_ACCELERATION_FRACTION, GENTLE_ACCELERATION = 0.6, 30.0
+DETOUR_ACCELERATION_FRACTION, GENTLE_ACCELERATION = 0.6, 30.0
 """Greatest acceleration that a detour may add, as a fraction of the foot's own, and the one that it may have anyway, in
 m/s2.
 """
@@ -216,7 +216,7 @@ def _smooth_path(
     """
     stiff = np.full((len(displacements), 2), PATH_STIFFNESS)  # led along and turned; raised
     own = float(np.linalg.norm(np.diff(flight.sole.ankles, 2, axis=0), axis=1).max(initial=0.0))
-    most = max(ADDED_ACCELERATION_FRACTION * own, GENTLE_ACCELERATION / frame_rate**2)
+    most = max(DETOUR_ACCELERATION_FRACTION * own, GENTLE_ACCELERATION / frame_rate**2)
     for _ in range(SOFTENING_ROUNDS):
         path = _bent_path(displacements, spans, flight, 1.0 / (stiff * frame_rate) ** 4)
         bent = np.abs(np.diff(path[:, :2], 2, axis=0))
