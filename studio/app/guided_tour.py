@@ -46,7 +46,8 @@ def _has_moved_target(bench: Workbench, start: StepStart) -> bool:
         return False
     before = _targets(start.project)
     now = _targets(bench.document.project)
-    return any(type(target) is type(before.get(key)) and target != before[key] for key, target in now.items())
+    both = before.keys() & now.keys()
+    return any(type(now[key]) is type(before[key]) and now[key] != before[key] for key in both)
 
 
 def _has_undone(bench: Workbench, start: StepStart) -> bool:

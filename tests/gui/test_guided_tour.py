@@ -10,8 +10,12 @@ from studio.app.application import import_views, make_application, make_window, 
 from studio.app.guided_tour import END_SENTENCE, TOUR_STEPS
 from studio.app.sample import SAMPLE_MOTION_ID
 from studio.app.settings import Settings
+from studio.core.body.canonical import BodyPart
+from studio.core.constraints.balance import BalanceConstraint
+from studio.core.constraints.base import BodyPoint, Chain
 from studio.document.document import Document
 from studio.viewport.body_points import body_joints
+from tests.core.motions import ALWAYS
 from tests.gui.test_first_minute import HEIGHT_OF_KICK, LEFT, move, pixel, press, solved
 from tests.gui.window_use import wait_until_idle
 
@@ -91,6 +95,18 @@ def test_the_tour_goes_on_with_what_keys_do_and_stays_when_a_target_is_undone(qt
     press(Qt.Key.Key_C)
     solved(window)
     press(Qt.Key.Key_Z, CTRL)
+    assert at_step(window) == 4
+
+
+def test_a_balance_over_no_place_that_is_added_meanwhile_is_no_moved_target(qtbot, window):
+    begin(qtbot, window)
+    document = window.bench.document
+    document.playhead.pause()
+    while at_step(window) < 4:
+        window.tour_strip.press("Skip")
+    pelvis = BodyPoint(BodyPart.PELVIS)
+    balance = BalanceConstraint(SAMPLE_MOTION_ID, "Balance", pelvis, Chain(), 0, ALWAYS)
+    document.add("constraints", balance, "Add balance")
     assert at_step(window) == 4
 
 
