@@ -9,7 +9,7 @@ from PySide6.QtCore import QByteArray, QSettings
 from studio.io.json_text import JsonObject
 
 MAX_RECENT_PROJECTS = 10
-MAX_CORRECTIONS = 100
+MAX_IMPORT_CORRECTIONS = 100
 LAYOUT_VERSION = 1
 
 
@@ -82,7 +82,7 @@ class Settings:
         kept = {key: value for key, value in self.corrections.items() if key != kind}
         if options:
             kept[kind] = options
-        newest = dict(list(kept.items())[-MAX_CORRECTIONS:])
+        newest = dict(list(kept.items())[-MAX_IMPORT_CORRECTIONS:])
         self._store.setValue("corrections", json.dumps(newest))
 
     @property

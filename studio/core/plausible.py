@@ -32,14 +32,14 @@ class Range:
 
 
 BONE_RANGE = Range("A bone", 1e3)
-TRAVEL_RANGE = Range("A way of the root", 1e5)
-MESH_RANGE = Range("A mesh with a place", 1e5)
-PLACE_RANGE = Range("A place", 1e5)
-SKIN_RANGE = Range("A place on a skin", 1e3)
+TRAVEL_RANGE = Range("A root position", 1e5)
+MESH_RANGE = Range("A mesh vertex position", 1e5)
+PLACE_RANGE = Range("A position", 1e5)
+SKIN_RANGE = Range("A skin vertex position", 1e3)
 TIME_RANGE = Range("A time", 1e9, "s")  # also "always", as files write it
-CYCLE_RANGE = Range("A round", 1e6, "s", least=1e-3)
+CYCLE_RANGE = Range("A period", 1e6, "s", least=1e-3)
 FRAME_RATE_RANGE = Range("A frame rate", 1e5, "fps", least=0.01)
-TURN_RANGE = Range("A turn", 1e4, "rad")
-GROUND_RANGE = Range("A measure of the ground", 1e4)
+TURN_RANGE = Range("A rotation angle", 1e4, "rad")
+GROUND_RANGE = Range("A dimension of the ground", 1e4)
 UNIT_RANGE = Range("A unit", 1e3, least=1e-6)
-WEIGHT_RANGE = Range("A weight among equals", 1e6, "times the usual")
+WEIGHT_RANGE = Range("A relative weight", 1e6, "times the default")

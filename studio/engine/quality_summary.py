@@ -23,6 +23,13 @@ FloatArray = NDArray[np.float64]
 
 WHOLE_MOTION = "Whole motion"
 ASPECTS = ("residual", "slide", "skate", "penetration", "peak")
+ASPECT_TITLES = {
+    "residual": "Error",
+    "slide": "Contact sliding",
+    "skate": "Foot sliding",
+    "penetration": "Penetration",
+    "peak": "Pop",
+}
 ASPECT_HINTS = {
     "residual": "Worst error while fully active",
     "slide": "Farthest that a standing heel, toe, hand, knee or seat has moved since its contact began",
@@ -79,8 +86,8 @@ class FoundProblem:
 
     @property
     def sentence(self) -> str:
-        """Problem as text: ``Tall man: residual 42 mm, Right wrist``."""
-        return f"{self.row.body}: {self.aspect} {self.finding.text}, {self.row.name}"
+        """Problem as text: ``Tall man: error 42 mm, Right wrist``."""
+        return f"{self.row.body}: {ASPECT_TITLES[self.aspect].lower()} {self.finding.text}, {self.row.name}"
 
 
 def summary_of(

@@ -126,7 +126,7 @@ class CorrectionEditor(Editor[Correction]):
         pose, count = correction.keys.value_at(time), len(correction.keys.times)
         at_key = correction.keys.key_at(time) is not None
         keys = "1 key" if count == 1 else f"{count} keys"
-        where = "on a key" if at_key else "between keys" if count > 1 else "no key"
+        where = "at a key" if at_key else "between keys" if count > 1 else "not at the playhead"
         self._words.setText(f"{keys}, {where}. Local rotations in degrees; x bends elbows and knees.")
         for part, fields in self._turns.items():
             for field, angle in zip(fields, pose.turn(part), strict=True):

@@ -15,8 +15,8 @@ from studio.engine.live_interface import Live
 from studio.panels.fields import NumberField, TextField, styled_label
 from studio.panels.shared_edits import different_fields, with_edit
 
-EDITED_TOGETHER = ("constraints", "contacts", "clips", "performers", "props")
-"""Collections in which an edit in the form applies to all selected entities."""
+EDITED_TOGETHER = {name: name for name in ("constraints", "contacts", "clips", "props")} | {"performers": "characters"}
+"""Collections in which an edit in the form applies to all selected entities, with their words for the user."""
 
 
 EditedT_co = TypeVar("EditedT_co", covariant=True)
@@ -64,7 +64,8 @@ class Editor(QWidget, Generic[EditedT_co]):
             entities = [self.document.shown_project.get(self.collection, key) for key in ids]
             mixed = ", ".join(different_fields(entities))
             self._together.setText(
-                f"{len(ids)} {self.collection} are edited together." + (f" Mixed values: {mixed}." if mixed else "")
+                f"{len(ids)} {EDITED_TOGETHER[self.collection]} are edited together."
+                + (f" Mixed values: {mixed}." if mixed else "")
             )
 
     @property

@@ -6,10 +6,10 @@ from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTableWidget, QTab
 
 from studio.document import colours
 from studio.engine.problem_search import ProblemSearch
-from studio.engine.quality_summary import ASPECT_HINTS, ASPECTS, Finding, SummaryRow
+from studio.engine.quality_summary import ASPECT_HINTS, ASPECT_TITLES, ASPECTS, Finding, SummaryRow
 from studio.panels.fields import styled_label
 
-PROBLEM_COLUMNS = ("Character", "Constraint", *(aspect.capitalize() for aspect in ASPECTS))
+PROBLEM_COLUMNS = ("Character", "Constraint", *ASPECT_TITLES.values())
 NO_ROWS_HINT = "Nothing is adapted yet. Drop a capture and add constraints; how well they hold is listed here."
 ROW_ROLE, ASPECT_ROLE, BADNESS_ROLE = (
     Qt.ItemDataRole.UserRole,

@@ -191,7 +191,7 @@ class PropEditor(Editor[Prop]):
 
     def _place(self, where: str) -> None:
         if where in (STAYING, KEYED_PLACE):
-            self._put_made("Release", lambda: with_fixed_position(self.pose, keyed=where == KEYED_PLACE))
+            self._put_made("Set placement of", lambda: with_fixed_position(self.pose, keyed=where == KEYED_PLACE))
         elif where in dict(PROCEDURAL_KINDS):
             x, y, z = self.pose.place.tolist()
             self._put_made(
@@ -216,7 +216,7 @@ class PropEditor(Editor[Prop]):
             document.problem_reported.emit("No character can carry it yet. Show one that has a clip first.")
             self.refresh()
         elif where == InHand.kind:
-            self._put_made("Carry", lambda: self._meanwhile(hold_in_hand(self.pose, performer_id, point, holder)))
+            self._put_made("Attach", lambda: self._meanwhile(hold_in_hand(self.pose, performer_id, point, holder)))
         elif begin is None:
             self._put_made("Carry", lambda: self._meanwhile(hold_between_hands(self.entity, performer_id, holder)))
         else:

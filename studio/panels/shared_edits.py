@@ -11,7 +11,18 @@ INDIVIDUAL_FIELDS = frozenset(
     {"name", "motion_id", "priority", "character_id", "clips", "layers", "position", "heading", "holds"}
 )
 """Fields that are not transferred to the other entities."""
-_WORDS = {"enabled": "on or off", "scope": "applies to", "end_segment": "end"}
+_WORDS = {
+    "enabled": "on or off",
+    "scope": "applies to",
+    "end_segment": "end",
+    "turn": "rotation",
+    "ease": "blend",
+    "grip": "hands",
+    "repeats": "loop count",
+    "clears": "arm self-collision",
+    "limited": "joint limits",
+    "eased": "smoothing",
+}
 
 
 def with_edit(other: RecordT, before: object, after: object) -> RecordT:

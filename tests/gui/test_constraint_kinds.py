@@ -394,7 +394,7 @@ def test_a_target_is_made_keyed_and_keys_are_typed_set_gone_to_and_deleted(studi
     assert document.playhead.time == pytest.approx(0.2)
     press(inspector, "Delete key")
     assert current(document).target.times == pytest.approx([0.3, 0.4])
-    choose(inspector, "Target type", "Shared")
+    choose(inspector, "Target type", "Fixed")
     assert isinstance(current(document).target, tuple)
 
 
@@ -412,7 +412,7 @@ def test_a_target_moves_by_a_rule_its_way_is_drawn_and_a_drag_moves_it(studio):
     assert current(document).target.reach == (0.25, 0.1, 0.1)
     enter(inspector, "Target Z", "1.5")
     assert field(inspector, "Target Z").value() == pytest.approx(1.5)
-    choose(inspector, "Target type", "Shared")
+    choose(inspector, "Target type", "Fixed")
     assert len(current(document).target) == len(place)
 
 
@@ -497,7 +497,7 @@ def test_the_form_says_whether_each_body_has_its_own_place_and_who_has_an_offset
     assert current(document).target.offset == pytest.approx((0.0, 0.0, 0.0), abs=1e-12)
     press(inspector, "Offset unique for Body 0")
     assert current(document).target.own == ()
-    choose(inspector, "Target type", "Shared")
+    choose(inspector, "Target type", "Fixed")
     assert current(document).target == pytest.approx(place, abs=0.006)
     document.playhead.set_time(0.45)  # beyond the time of the constraint: it is told by where the body is within
     choose(inspector, "Target type", "Per character")

@@ -199,7 +199,7 @@ def test_who_cannot_reach_a_box_that_another_holds_is_told_to_come_closer(played
     document.selection.clear()
     qtbot.waitUntil(lambda: played.bench.live.result(far) is not None, timeout=PATIENCE)
     pick_up(played, far, prop_id, 0.4)
-    assert "Bring Far one closer" in played.strip.text
+    assert "Move Far one closer" in played.strip.text
     assert [hold.performer_id for hold in document.project.props[prop_id].holds] == [FIRST, far]
 
 

@@ -20,7 +20,7 @@ def test_the_worst_miss_of_a_fully_active_constraint_is_told_with_its_frame():
     assert (problem.performer_id, problem.residual.stage_frame) == (key, int(worst[key].argmax()))
     assert problem.residual.amount == pytest.approx(worst[key].max())
     assert problem.residual.time == pytest.approx(problem.residual.stage_frame / RATE)
-    assert problem.sentence.endswith(f"short of 'Target 0' at frame {problem.residual.stage_frame}")
+    assert problem.sentence.endswith(f"at frame {problem.residual.stage_frame}")
 
 
 def test_no_problem_is_told_when_every_constraint_holds_or_none_is_asked():

@@ -51,7 +51,9 @@ class ParallelConstraint(Constraint):
         if self.other.part is self.point.part:
             raise ValueError(f"'{self.name}': a segment is always parallel to itself. Choose another segment.")
         if not (math.isfinite(self.cone) and 0.0 <= self.cone < math.pi):
-            raise ValueError(f"'{self.name}': the maximum angle must be between 0 and π radians, not {self.cone}.")
+            raise ValueError(
+                f"'{self.name}': the maximum angle must be 0 to 180 degrees, not {math.degrees(self.cone):g}."
+            )
 
     def carried(self, carry: "ClipTransform") -> dict[str, Any]:
         """Both axes, by field name, transformed by ``carry``; in a mirror, for the segments of the other sides."""

@@ -44,7 +44,9 @@ class UprightConstraint(Constraint):
                 raise ValueError(f"'{self.name}': the {name} has no length. Enter a direction.")
             object.__setattr__(self, name, tuple((numbers / length).tolist()))
         if not (math.isfinite(self.cone) and 0.0 <= self.cone < math.pi):
-            raise ValueError(f"'{self.name}': the maximum angle must be between 0 and π radians, not {self.cone}.")
+            raise ValueError(
+                f"'{self.name}': the maximum angle must be 0 to 180 degrees, not {math.degrees(self.cone):g}."
+            )
 
     def carried(self, carry: "ClipTransform") -> dict[str, Any]:
         """Axis and direction, by field name, rotated and mirrored by ``carry``."""

@@ -45,7 +45,7 @@ class Clip:
     def __post_init__(self) -> None:
         if not 0 <= self.first <= self.last:
             raise ValueError(
-                f"The last frame of a clip must be after its first frame: {self.first} to {self.last} is empty."
+                f"The last frame of a clip must not be before its first frame: {self.first} to {self.last} is empty."
             )
         if not math.isfinite(self.start):
             raise ValueError(f"A clip must start at a finite time, not at {self.start}.")

@@ -30,7 +30,7 @@ FIXED_KIND, KEYED_KIND = "fixed", Keys.kind
 PER_CHARACTER_KIND = OwnPlace.kind
 PLACE_KINDS = (
     (PER_CHARACTER_KIND, "Per character"),
-    (FIXED_KIND, "Shared"),
+    (FIXED_KIND, "Fixed"),
     (KEYED_KIND, "Animated"),
     *PROCEDURAL_KINDS,
     (FollowBody.kind, "Follow own body"),
