@@ -81,7 +81,7 @@ def test_a_foot_that_skates_is_a_problem_also_where_no_contact_says_that_it_stan
     slower = {key: replace(each, positions=each.positions * [0.7, 1.0, 1.0]) for key, each in results.items()}
     skating = summary_of(free, slower, {})
     found = problems_in(skating)[0]
-    assert found.sentence == f"{found.row.body}: skate 210 mm, {WHOLE_MOTION}"
+    assert found.sentence == f"{found.row.body}: foot sliding 210 mm, {WHOLE_MOTION}"
     in_the_air = {
         key: replace(each, positions=np.add(each.positions, (0.0, 0.0, 0.01))) for key, each in slower.items()
     }

@@ -178,7 +178,7 @@ class TargetRows:
     def _set_each(self, each: bool) -> None:
         """Make a keyed or procedural target relative to each character's own position, or shared by all."""
         editor = self._editor
-        text = f"{'Per character' if each else 'Shared'}: {editor.entity.name}"
+        text = f"{'Per character' if each else 'Fixed'}: {editor.entity.name}"
         editor.replace_entity(lambda: with_fields(editor.entity, **{self._field: self._counted(each)}), text)
 
     def _counted(self, each: bool) -> KeyedPlace | KeyedOwnPlace | ProceduralPlace:
