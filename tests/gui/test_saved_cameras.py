@@ -116,7 +116,7 @@ def test_cameras_are_written_with_the_project(tmp_path, window):
     ],
 )
 def test_a_placement_that_cannot_be_is_refused(wrong):
-    with pytest.raises(ValueError, match=r"camera|place|turn"):
+    with pytest.raises(ValueError, match=r"camera|position|angle"):
         SavedCamera("Broken", replace(LOW, **wrong))
     with pytest.raises(ValueError, match="slot 9"):
         SavedCamera("Broken", LOW, 9)
