@@ -11,10 +11,11 @@ from studio.core.captures.confidence import Confidence
 from studio.core.rigs.zero_pose import with_zero_pose
 from studio.core.rotations import multiply
 from studio.io.export import write_capture
-from studio.io.figure.kept_references import references_folder, with_reference_kept
+from studio.io.figure.kept_references import references_folder, skeleton_digest, with_reference_kept
 from studio.io.importing import load_capture
 from studio.library.catalogue import Catalogue
 from studio.library.indexing import index_folders
+from tests.builders import make_skeleton
 from tests.core.motions import about, swaying
 
 LEFT = (0.0, 1.0, 0.0)
@@ -104,3 +105,10 @@ def test_a_damaged_file_is_told_and_replaced(calm: Path, bow: Path) -> None:
     assert "is not a kept reference pose" in _guess(load_capture(bow)).reason
     with_reference_kept(load_capture(calm))
     assert _guess(load_capture(bow)).value == "all frames of calm"
+
+
+@pytest.mark.parametrize("far", [1e17, 1e300])
+def test_a_bone_as_long_as_no_integer_has_a_skeleton_that_is_known_again(far):
+    skeleton = make_skeleton()
+    damaged = replace(skeleton, offsets=skeleton.offsets * far)
+    assert skeleton_digest(damaged) == skeleton_digest(damaged) != skeleton_digest(skeleton)

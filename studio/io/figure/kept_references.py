@@ -37,6 +37,10 @@ class KeptReference:
         return certainty(self.pose.confidence, self.seconds)
 
 
+FARTHEST_OFFSET_METRES = 1e12
+"""Offsets of damaged files beyond it, which no integer of millimetres holds, count as equal."""
+
+
 def references_folder() -> Path:
     """Folder of the kept reference poses."""
     return user_data_path("morpho-studio", appauthor=False) / "reference_poses"
@@ -44,7 +48,8 @@ def references_folder() -> Path:
 
 def skeleton_digest(skeleton: Skeleton) -> str:
     """Hash of a skeleton that is equal for all captures of one actor: joints, and bones to the millimetre."""
-    lengths = np.rint(1000.0 * skeleton.offsets[1:]).astype(np.int64).tolist()
+    offsets = np.clip(skeleton.offsets[1:], -FARTHEST_OFFSET_METRES, FARTHEST_OFFSET_METRES)
+    lengths = np.rint(1000.0 * offsets).astype(np.int64).tolist()
     text = repr((skeleton.names, skeleton.parents.tolist(), lengths))
     return hashlib.sha256(text.encode()).hexdigest()
 
