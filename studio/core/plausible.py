@@ -37,7 +37,7 @@ MESH_RANGE = Range("A mesh vertex position", 1e5)
 PLACE_RANGE = Range("A position", 1e5)
 SKIN_RANGE = Range("A skin vertex position", 1e3)
 TIME_RANGE = Range("A time", 1e9, "s")  # also "always", as files write it
-CYCLE_RANGE = Range("A period", 1e6, "s", least=1e-3)
+PERIOD_RANGE = Range("A period", 1e6, "s", least=1e-3)
 FRAME_RATE_RANGE = Range("A frame rate", 1e5, "fps", least=0.01)
 TURN_RANGE = Range("A rotation angle", 1e4, "rad")
 GROUND_RANGE = Range("A dimension of the ground", 1e4)

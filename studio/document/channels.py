@@ -46,11 +46,11 @@ HANDLE_DIVISOR = 3.0
 """Divisor of a handle's length: a tangent of weight 1 reaches a third of the way to the next key."""
 
 
-class Side(IntEnum):
-    """Side of a key: of the arriving or of the leaving tangent."""
+class TangentSide(IntEnum):
+    """Side of a key: of its in tangent or its out tangent."""
 
-    ARRIVING = 0
-    LEAVING = 1
+    IN = 0
+    OUT = 1
 
 
 @dataclass(frozen=True)
@@ -133,9 +133,9 @@ def key_values(channel: Channel, keyed: Keyed) -> FloatArray:
     return np.asarray(points[:, channel.component] * channel.factor)
 
 
-def handle_of(channel: Channel, keyed: Keyed, index: int, side: Side) -> tuple[float, float] | None:
+def handle_of(channel: Channel, keyed: Keyed, index: int, side: TangentSide) -> tuple[float, float] | None:
     """Offset (seconds, shown value) from a key to the end of its tangent handle; None if that side has no handle."""
-    other = index + (1 if side is Side.LEAVING else -1)
+    other = index + (1 if side is TangentSide.OUT else -1)
     if not 0 <= other < len(keyed.times):
         return None
     gap = keyed.times[other] - keyed.times[index]
@@ -144,14 +144,14 @@ def handle_of(channel: Channel, keyed: Keyed, index: int, side: Side) -> tuple[f
             return None
         return keyed.weights[index] * gap / HANDLE_DIVISOR, 0.0
     own = keyed.tangents[index] if keyed.tangents else None
-    if side is Side.LEAVING and own is not None and own.is_stepped:
+    if side is TangentSide.OUT and own is not None and own.is_stepped:
         return None
     weight = own.weights[side] if own is not None else 1.0
     seconds = weight * gap / HANDLE_DIVISOR
     return seconds, seconds * _rate(channel, keyed, index, side)
 
 
-_EASES = ((0, Side.LEAVING), (1, Side.ARRIVING), (2, Side.LEAVING), (3, Side.ARRIVING))
+_EASES = ((0, TangentSide.OUT), (1, TangentSide.IN), (2, TangentSide.OUT), (3, TangentSide.IN))
 """Sides of the four times of an activation on which its curve rises or falls, and which have a handle."""
 
 
@@ -169,13 +169,13 @@ def with_values(channel: Channel, keyed: Keyed, values: Mapping[int, float]) -> 
 
 
 def with_handle(
-    channel: Channel, keyed: Keyed, index: int, side: Side, seconds: float, value: float, broken: bool = False
+    channel: Channel, keyed: Keyed, index: int, side: TangentSide, seconds: float, value: float, broken: bool = False
 ) -> Keyed:
     """Copy with the end of a tangent handle at the offset (``seconds``, ``value``) from its key.
 
     The other tangent rotates with it unless it is ``broken``. Of an activation only the tangent weight changes.
     """
-    other = index + (1 if side is Side.LEAVING else -1)
+    other = index + (1 if side is TangentSide.OUT else -1)
     gap = keyed.times[other] - keyed.times[index]
     weight = min(max(HANDLE_DIVISOR * seconds / gap, LEAST_TANGENT_WEIGHT), MOST_TANGENT_WEIGHT)
     if isinstance(keyed, ActivationCurve):
@@ -246,7 +246,7 @@ def _with_component(keyed: Keys, index: int, component: int, value: float) -> ob
     return (*old[:component], value, *old[component + 1 :]) if keyed.size > 1 else value
 
 
-def _rate(channel: Channel, keyed: Keys, index: int, side: Side) -> float:
+def _rate(channel: Channel, keyed: Keys, index: int, side: TangentSide) -> float:
     """Slope of a channel on one side of a key, in shown units per second."""
     rate = keyed.rates()[side][index]
     if isinstance(keyed, KeyedTurn):
@@ -254,7 +254,7 @@ def _rate(channel: Channel, keyed: Keys, index: int, side: Side) -> float:
     return float(rate[channel.component] * channel.factor)
 
 
-def _stored_rate(channel: Channel, keyed: Keys, index: int, side: Side, rate: float) -> tuple[float, ...]:
+def _stored_rate(channel: Channel, keyed: Keys, index: int, side: TangentSide, rate: float) -> tuple[float, ...]:
     """Slopes of all components in stored units per second, if the channel has the shown slope ``rate``."""
     rates = keyed.rates()[side][index].copy()
     if not isinstance(keyed, KeyedTurn):

@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 
 from studio.core.grounds import Bumps, HeightMap, Slope, Steps, SurfaceMesh
 from studio.core.grounds.ground import Ground
+from studio.document.channels import DEGREES_PER_RADIAN
 from studio.document.document import Document
 from studio.document.length_units import PER_METRE, length_text
 from studio.engine.live_interface import Live
@@ -46,11 +47,10 @@ class GroundSlider:
         return f"{value * self.scale:.{self.decimals}f}{self.unit}"
 
 
-SHOWN_DEGREES = math.degrees(1.0)
-DIRECTION_SLIDER = GroundSlider("direction", "Direction", -math.pi, math.pi, "°", SHOWN_DEGREES, 0)
+DIRECTION_SLIDER = GroundSlider("direction", "Direction", -math.pi, math.pi, "°", DEGREES_PER_RADIAN, 0)
 GROUND_SLIDERS: dict[type[Ground], tuple[GroundSlider, ...]] = {
     Slope: (
-        GroundSlider("angle", "Angle", -math.radians(30.0), math.radians(30.0), "°", SHOWN_DEGREES, 1),
+        GroundSlider("angle", "Angle", -math.radians(30.0), math.radians(30.0), "°", DEGREES_PER_RADIAN, 1),
         DIRECTION_SLIDER,
     ),
     Steps: (

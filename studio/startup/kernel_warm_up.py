@@ -32,7 +32,7 @@ LONGEST_HELD_SECONDS = 10.0
 PICTURE_FUNCTIONS = ("first_picture.run",)
 """Functions of this package that compile the kernels for drawing a body."""
 WARM_STANDING, WARM_REST, WARM_CONSTRAINTS = "first_run.run_standing", "first_run.run_rest", "first_run.run_constraints"
-SOLVER_FUNCTIONS = ((WARM_STANDING, WARM_REST), (WARM_CONSTRAINTS,))
+WARM_UPS_BY_PROCESS = ((WARM_STANDING, WARM_REST), (WARM_CONSTRAINTS,))
 """Functions of this package that each child process runs in turn."""
 COMPILED_FRACTION = 0.98
 """Progress (0 to 1) at which all kernels are compiled; the rest is loading them from their cache."""
@@ -56,8 +56,8 @@ class WarmUp:
         self._let_go, self._drawable = threading.Event(), threading.Event()
         if not held:
             self.release()
-        self._shares = dict.fromkeys(SOLVER_FUNCTIONS, 0.0)
-        self._running = {part: part[0] for part in SOLVER_FUNCTIONS}
+        self._shares = dict.fromkeys(WARM_UPS_BY_PROCESS, 0.0)
+        self._running = {part: part[0] for part in WARM_UPS_BY_PROCESS}
         """The function that each process runs now."""
         # Imported on the thread: numba alone takes a third of a second, which the window need not wait for.
         self._thread = threading.Thread(target=self._run, name="warm-up", daemon=True)
@@ -135,11 +135,9 @@ class WarmUp:
                     self._wait_while(running, lambda: True)
             self._drawable.set()
             if self.cold:
-                with self._processes(*SOLVER_FUNCTIONS) as running:
-                    self._wait_while(
-                        running,
-                        lambda: SOLVER_FUNCTIONS[0] in running and self._running[SOLVER_FUNCTIONS[0]] == WARM_STANDING,
-                    )
+                with self._processes(*WARM_UPS_BY_PROCESS) as running:
+                    first = WARM_UPS_BY_PROCESS[0]
+                    self._wait_while(running, lambda: first in running and self._running[first] == WARM_STANDING)
                     self._fetch(WARM_STANDING, self._grounded)
                     self._wait_while(running, lambda: True)
             self._fetch(WARM_STANDING, self._grounded)  # what a process failed in fails here again, and is told

@@ -23,7 +23,7 @@ PLAYHEAD_GRAB_PIXELS = 4.0
 RIGHT_MARGIN = 12
 MIN_CURVE_EDITOR_FRACTION, MIN_CURVE_EDITOR_PX = 0.55, 150
 """Minimum height of the curve editor, as a fraction of the timeline's height and in pixels."""
-FOLDED_ROW_KINDS = ("constraints", "lane")
+FOLDABLE_ROW_KINDS = ("constraints", "lane")
 """Kinds of tracks that can be collapsed individually."""
 
 
@@ -155,7 +155,7 @@ class TimelineLayout:
         return self._hit_row(row, position) if row else Hit("", "", ItemPart.EMPTY)
 
     def _hit_row(self, row: TimelineRow, position: QPointF) -> Hit:
-        if position.x() < FOLD_WIDTH and (row.kind in FOLDED_ROW_KINDS or self._folds(row)):
+        if position.x() < FOLD_WIDTH and (row.kind in FOLDABLE_ROW_KINDS or self._folds(row)):
             return Hit(row.kind, row.id, ItemPart.FOLD)
         if position.x() < ROW_LABEL_WIDTH:
             return self._label_hit(row)

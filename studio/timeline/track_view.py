@@ -21,7 +21,7 @@ from studio.timeline.gestures.gesture import TimelineGesture
 from studio.timeline.gestures.keys import BoxSelect
 from studio.timeline.gestures.value_curves import BoxSelectCurves
 from studio.timeline.picture import PLOT_ROW, TimelineImage
-from studio.timeline.sheet import FOLDED_ROW_KINDS, RIGHT_MARGIN, TimelineLayout, rows_of
+from studio.timeline.sheet import FOLDABLE_ROW_KINDS, RIGHT_MARGIN, TimelineLayout, rows_of
 from studio.timeline.shown import ROW_LABEL_WIDTH, ItemPart, RowContext
 from studio.timeline.subject import play_different_rows, stage_extent, subject_of
 from studio.timeline.tracks.constraint import activation_look
@@ -217,7 +217,7 @@ class TrackView(QWidget):
             self.lay_out()
 
     def fold(self, kind: str, row_id: str = "") -> None:
-        """Collapse or expand a track of ``FOLDED_ROW_KINDS``, the clip tracks, or the graph."""
+        """Collapse or expand a track of ``FOLDABLE_ROW_KINDS``, the clip tracks, or the graph."""
         if kind == "clip":
             self.apart = not (self.shown and self.shown.rows_per_performer)
         else:
@@ -227,7 +227,7 @@ class TrackView(QWidget):
     def fold_all(self) -> None:
         """Collapse every track that can be; expand them if all are collapsed."""
         rows = self.sheet.rows if self.sheet else ()
-        foldable = frozenset({PLOT_ROW} | {(row.kind, row.id) for row in rows if row.kind in FOLDED_ROW_KINDS})
+        foldable = frozenset({PLOT_ROW} | {(row.kind, row.id) for row in rows if row.kind in FOLDABLE_ROW_KINDS})
         self.folded = frozenset() if foldable <= self.folded else foldable
         self.lay_out()
 

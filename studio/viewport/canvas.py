@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from studio.viewport.stage_picture import Pixels, StageScene
     from studio.viewport.stills import AveragedPicture
 
-SMOOTHING_MILLISECONDS = 160
+ANTI_ALIASING_DELAY_MS = 160
 """Milliseconds without motion after which the image is anti-aliased."""
 REDRAW_DELAY_MILLISECONDS = 5
 
@@ -53,7 +53,7 @@ class Canvas(QWidget):
         self._stale = True
         self._has_started, self._stopped = False, False
         self._frame_timer = self._single_shot(0, self._draw)
-        self._rest_timer = self._single_shot(SMOOTHING_MILLISECONDS, self._refine)
+        self._rest_timer = self._single_shot(ANTI_ALIASING_DELAY_MS, self._refine)
         self.setMinimumSize(240, 160)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
 
@@ -201,7 +201,7 @@ class Canvas(QWidget):
             self.bring_up_to_date(self._scene)
         self._still = None
         self._take(self._render(self._scene))
-        self._rest_timer.start(SMOOTHING_MILLISECONDS)
+        self._rest_timer.start(ANTI_ALIASING_DELAY_MS)
         if not self._has_started:
             self._has_started = True
             self.started.emit()

@@ -10,7 +10,7 @@ whose time may be used by two thirds.
 """
 SLOW_PICTURES = 6
 """Excess of slow over fast images that reduces the resolution, so that a single hiccup does not."""
-RETRY_IMAGES = 60
+FAST_FRAMES_BEFORE_RETRY = 60
 """Number of fast images after which a higher resolution is tried; it doubles each time that fails."""
 
 
@@ -18,7 +18,7 @@ class ResolutionScaling:
     """Resolution derived from the rendering times of images during motion; above ``slow`` seconds an image is slow."""
 
     def __init__(self, slow: float) -> None:
-        self._limit, self._retry = slow, RETRY_IMAGES
+        self._limit, self._retry = slow, FAST_FRAMES_BEFORE_RETRY
         self._step = self._slow = self._quick = 0
 
     def size(self, full: tuple[int, int]) -> tuple[int, int]:
@@ -42,7 +42,7 @@ class ResolutionScaling:
     def note_rest(self) -> None:
         """Record that nothing moves: the next motion starts with a slightly higher resolution."""
         self._go(max(self._step - 1, 0))
-        self._retry = RETRY_IMAGES
+        self._retry = FAST_FRAMES_BEFORE_RETRY
 
     def _go(self, step: int) -> None:
         self._step, self._slow, self._quick = step, 0, 0

@@ -138,4 +138,4 @@ def test_viewport_and_inspector_tell_the_same_number_and_frame():
     [line] = residuals_of(project, SimpleNamespace(reported_motion=lambda _: motion, ready=True), "c")
     assert (problem.residual.amount, problem.residual.frame) == pytest.approx((line.worst.amount, line.worst.frame))
     assert problem.sentence == "Body 0: 'Wrist' missed by 40 mm at frame 10"
-    assert words_of(line) == "short by 40 mm at 10"
+    assert words_of(line) == "not reached, 40 mm at 10"

@@ -18,7 +18,7 @@ from studio.core.curves.tangents import Beyond, TangentMode
 from studio.core.rotations import from_euler
 from studio.core.stage.prop import Prop
 from studio.document.channels import (
-    Side,
+    TangentSide,
     channels_of,
     handle_of,
     key_values,
@@ -149,7 +149,7 @@ def test_selected_keys_of_a_channel_rise_together(document, editor, hand):
 
 def test_a_handle_turns_both_sides_of_a_key_and_alt_breaks_them(document, editor, hand):
     document.keys.set([KeyRef(FIELD, 1)])
-    hand.press(editor.handle("z", 1, Side.LEAVING))
+    hand.press(editor.handle("z", 1, TangentSide.OUT))
     hand.move(0, dy=-40)
     hand.release()
     own = editor.target.tangents[1]
@@ -157,7 +157,7 @@ def test_a_handle_turns_both_sides_of_a_key_and_alt_breaks_them(document, editor
     assert own.arriving.rate == own.leaving.rate
     assert own.leaving.rate[2] > 1.0
     assert document.undo_stack.count() == 1
-    hand.press(editor.handle("z", 1, Side.ARRIVING))
+    hand.press(editor.handle("z", 1, TangentSide.IN))
     hand.move(0, Modifier.AltModifier, dy=-60)
     hand.release()
     broken = editor.target.tangents[1]
@@ -171,7 +171,7 @@ def test_a_handle_turns_both_sides_of_a_key_and_alt_breaks_them(document, editor
 
 def test_a_handle_that_is_pulled_out_weighs_more_and_ctrl_keeps_the_weight(document, editor, hand):
     document.keys.set([KeyRef(FIELD, 1)])
-    hand.press(editor.handle("x", 1, Side.LEAVING))
+    hand.press(editor.handle("x", 1, TangentSide.OUT))
     hand.move(30)
     assert editor.target.tangents[1].leaving.weight > 1.5
     hand.move(0, Modifier.ControlModifier)
@@ -183,7 +183,7 @@ def test_a_handle_that_is_pulled_out_weighs_more_and_ctrl_keeps_the_weight(docum
 
 def test_the_handles_of_an_activation_change_how_it_rises(document, editor, hand):
     document.keys.set([KeyRef(ACTIVATION, 0)])
-    hand.press(editor.handle("activation", 0, Side.LEAVING))
+    hand.press(editor.handle("activation", 0, TangentSide.OUT))
     hand.move(25, dy=-30)
     hand.release()
     curve = document.project.constraints["kick"].activation
@@ -355,8 +355,8 @@ def test_angles_of_a_rotation_go_on_past_half_a_turn():
 def test_the_handle_of_an_angle_is_its_rate(name):
     keyed = turns()
     channel = next(each for each in channels_of(FIELD, keyed) if each.name == name)
-    new = with_handle(channel, keyed, 1, Side.LEAVING, 0.2, 30.0)
-    seconds, value = handle_of(channel, new, 1, Side.LEAVING)
+    new = with_handle(channel, keyed, 1, TangentSide.OUT, 0.2, 30.0)
+    seconds, value = handle_of(channel, new, 1, TangentSide.OUT)
     assert value / seconds == pytest.approx(150.0, abs=0.05)
     before, after = values_at(channel, new, [0.5 - 1e-4, 0.5 + 1e-4])
     assert (after - before) / 2e-4 == pytest.approx(150.0, abs=1.0)

@@ -27,7 +27,7 @@ from studio.core.curves.keyed import KeyedPlace
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.solver.adapt import body_point_positions
 from studio.core.stage.sound_track import SoundTrack
-from studio.document.channels import Side
+from studio.document.channels import TangentSide
 from studio.engine.residuals import worst_residual
 from studio.timeline.menus import menu_at
 from studio.timeline.tracks.value_curves import HandleRef, plot_area
@@ -216,7 +216,7 @@ def test_2_a_hand_eases_in_overshoots_and_holds_by_tangents(user):
     user.click(first)
     user.choose(first, "Flat tangents")
     user.click(risen)
-    handle = curves.handle_point(shown, area, HandleRef(channel, 1, Side.ARRIVING), keyed).toPoint()
+    handle = curves.handle_point(shown, area, HandleRef(channel, 1, TangentSide.IN), keyed).toPoint()
     user.drag(handle, handle - QPoint(0, 60), modifiers=ALT)
     assert user.done == (5, 1, 1)
     target = user.project.constraints[key].target

@@ -388,7 +388,7 @@ def test_residuals_tell_who_misses_the_target_by_how_much_and_when(document, liv
     live.results["performer 1"] = AdaptedMotion(make_morphology(), 60.0, 0, nothing, nothing, residuals)
     first, second = residuals_of(document.project, live, "constraint 0")
     assert words_of(first) == "not solved yet"
-    assert words_of(second) == "short by 42 mm at 15"
+    assert words_of(second) == "not reached, 42 mm at 15"
 
 
 @pytest.mark.parametrize(

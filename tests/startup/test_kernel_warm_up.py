@@ -22,11 +22,11 @@ def followed(monkeypatch, *steps):
     """Reports while the shares of both processes are as in ``steps``."""
     left = list(steps)
     warming = object.__new__(kernel_warm_up.WarmUp)
-    warming.cold, warming._shares = True, dict.fromkeys(kernel_warm_up.SOLVER_FUNCTIONS, 0.0)
+    warming.cold, warming._shares = True, dict.fromkeys(kernel_warm_up.WARM_UPS_BY_PROCESS, 0.0)
 
     def is_running(_self):
         if left:
-            warming._shares = dict(zip(kernel_warm_up.SOLVER_FUNCTIONS, left.pop(0), strict=True))
+            warming._shares = dict(zip(kernel_warm_up.WARM_UPS_BY_PROCESS, left.pop(0), strict=True))
             return True
         return False
 
@@ -44,7 +44,7 @@ def test_it_is_as_far_as_the_process_that_is_furthest_from_its_end(monkeypatch):
 
 def test_a_process_that_counts_anew_takes_nothing_back():
     warming = object.__new__(kernel_warm_up.WarmUp)
-    part = kernel_warm_up.SOLVER_FUNCTIONS[0]
+    part = kernel_warm_up.WARM_UPS_BY_PROCESS[0]
     warming._shares, warming._running = {part: 0.0}, {}
     warming._listen(part, [b"first_run.run_standing 0.400\n", b"first_run.run_rest 0.100\n", b"first_run.ru"])
     assert warming._shares == {part: 0.4}
@@ -242,6 +242,6 @@ def test_the_processes_are_as_urgent_as_the_one_that_waits_for_them(cold, monkey
     kernel_warm_up.WarmUp().join()
     told = {
         part[-1]: (tmp_path / part[-1].replace(".", "-")).read_text()
-        for part in (kernel_warm_up.PICTURE_FUNCTIONS, *kernel_warm_up.SOLVER_FUNCTIONS)
+        for part in (kernel_warm_up.PICTURE_FUNCTIONS, *kernel_warm_up.WARM_UPS_BY_PROCESS)
     }
     assert told == dict.fromkeys(told, f"{os.nice(0)}\n")

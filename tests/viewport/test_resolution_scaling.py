@@ -2,7 +2,12 @@
 
 from itertools import pairwise
 
-from studio.viewport.resolution_scaling import RESOLUTION_FRACTIONS, RETRY_IMAGES, SLOW_PICTURES, ResolutionScaling
+from studio.viewport.resolution_scaling import (
+    FAST_FRAMES_BEFORE_RETRY,
+    RESOLUTION_FRACTIONS,
+    SLOW_PICTURES,
+    ResolutionScaling,
+)
 
 FULL, SLOW = (900, 600), 0.02
 
@@ -43,7 +48,7 @@ def test_after_a_slow_while_all_pixels_come_back_though_nothing_rests() -> None:
     sharpness = ResolutionScaling(SLOW)
     for _ in range(SLOW_PICTURES):
         sharpness.note_duration(2.0 * SLOW)
-    for _ in range(2 * RETRY_IMAGES):
+    for _ in range(2 * FAST_FRAMES_BEFORE_RETRY):
         sharpness.note_duration(0.6 * SLOW)
     assert sharpness.size(FULL) == FULL
 

@@ -21,10 +21,10 @@ from studio.document.correction_edits import set_key as set_correction_key
 from studio.document.key_edits import delete_keys, set_keys
 from studio.engine.posed_performer import swept_points
 
-EDITED_PARTS = ("clips", "states", "transitions")
-SMALL_THINGS = (
+NESTED_COLLECTIONS = ("clips", "states", "transitions")
+DELETED_BEFORE_CHARACTERS = (
     *("constraints", "contacts", "labels", "props", "behaviours", "corrections", "cameras", "sounds", "footage"),
-    *EDITED_PARTS,
+    *NESTED_COLLECTIONS,
 )
 
 
@@ -75,13 +75,13 @@ def delete(bench: Workbench) -> None:
         delete_keys(document)
         return
     selected = [item for item in document.selection.items if item != ("grounds", GROUND_ID)]
-    items = [item for item in selected if item[0] in SMALL_THINGS] or selected
+    items = [item for item in selected if item[0] in DELETED_BEFORE_CHARACTERS] or selected
     text = _deletion(bench, items)
     with document.group(text):
         remove_clips(document, document.selection.of("clips"), text)
         remove_parts(document, document.selection.of("states"), document.selection.of("transitions"), text)
         for collection, key in items:
-            if collection not in EDITED_PARTS and document.project.get(collection, key) is not None:
+            if collection not in NESTED_COLLECTIONS and document.project.get(collection, key) is not None:
                 document.remove(collection, key, text)
 
 

@@ -131,7 +131,7 @@ class Morphology:
 
     @cached_property
     def rows(self) -> FloatArray:
-        """Measures (1, 57 + 3 K) as an animation of one constant row."""
+        """All measures as one row (1, 57 + 3 K) for K spine segments, columns as in ``kernels.measure_columns``."""
         return self.packed[None]
 
     def to_json(self) -> dict[str, Any]:

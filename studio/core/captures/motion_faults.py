@@ -19,7 +19,7 @@ BoolArray = NDArray[np.bool_]
 SPIKE_ANGLE = np.radians(55.0)
 """Angle in radians by which a joint rotates within one frame into a spike, and out of it again: twice what kicks reach.
 """
-SPIKE_LENGTH = 0.15
+LEAST_SPIKE_JUMP_METRES = 0.15
 """Distance in metres by which the root jumps within one frame into a spike, and out of it again."""
 SPIKE_RETURN = 0.35
 """Greatest difference of the frames before and after a spike, as a fraction of its jumps."""
@@ -104,7 +104,7 @@ def clean_motion(
         track = _interpolated_rotations(poses.local_rotations[:, joint], exchanged.get(joint))
         tracks[joint], count = _without_spikes(track, _angle, SPIKE_ANGLE, longest)
         spikes += count
-    root, count = _without_spikes(poses.local_translations[:, pelvis], _distance, SPIKE_LENGTH, longest)
+    root, count = _without_spikes(poses.local_translations[:, pelvis], _distance, LEAST_SPIKE_JUMP_METRES, longest)
     noises = [2.0 * _noise(track) for track in tracks.values()]
     faults = MotionFaults(spikes + count, swaps, float(np.median(noises)), _noise(root), skate)
     if not faults.any:

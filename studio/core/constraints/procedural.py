@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from studio.core.constraints.base import Vector, finite_vector
 from studio.core.constraints.own_place import OwnPlace
 from studio.core.curves.tangents import LEFT_OUT_IF_DEFAULT
-from studio.core.plausible import CYCLE_RANGE, PLACE_RANGE, TIME_RANGE, TURN_RANGE
+from studio.core.plausible import PERIOD_RANGE, PLACE_RANGE, TIME_RANGE, TURN_RANGE
 
 FloatArray = NDArray[np.float64]
 
@@ -48,7 +48,7 @@ class ProceduralPosition(ABC):
         numbers = [value for value in vars(self).values() if isinstance(value, float | int)]
         if not all(math.isfinite(number) for number in numbers) or self.seconds <= 0.0:
             raise ValueError("A procedural target needs finite numbers and a period greater than 0 seconds.")
-        CYCLE_RANGE.check(self.seconds)
+        PERIOD_RANGE.check(self.seconds)
         TIME_RANGE.check(self.since)
         TURN_RANGE.check(self.heading)
 

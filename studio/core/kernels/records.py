@@ -191,7 +191,9 @@ class TaskRows(NamedTuple):
 
 
 class FlattenedTaskRows(NamedTuple):
-    """Views of the rows of a step with all joints in one dimension, (R, 3 N), which share memory with ``TaskRows``."""
+    """Flat views (R, 3 N) of arrays of ``TaskRows`` and ``Equations``, which share memory: a row for each of the R task
+    rows, three columns for each of the N joints.
+    """
 
     jacobian: Array
     """(R, 3 N) ``TaskRows.jacobian``."""

@@ -58,9 +58,10 @@ def centre_of_rotation(upper: FloatArray, lower: FloatArray, usual: FloatArray) 
 
 
 def shift_of_centres(tracks: Sequence[FloatArray], centres: Sequence[FloatArray], direction: FloatArray) -> float:
-    """Displacement in metres along ``direction`` (3,) by which centres (3,) keep their distances to tracks (F, 3) best.
+    """Shift in metres along ``direction`` (3,) of joint centres (3,), such as hips, that keeps their distances to the
+    tracks (F, 3) of the next joints most constant, all in the axes of the centres' segment.
 
-    It is the most probable one, found by Gauss-Newton, given the usual errors of centres and tracks.
+    Maximum a posteriori estimate by Gauss-Newton, with the usual errors of centres and tracks as prior.
     """
     shift = 0.0
     for _ in range(_STEPS):

@@ -68,7 +68,7 @@ class AssembledRow:
         self.contact_mask = np.zeros((len(PIECE_CONTACT_POINTS), count), dtype=bool)
 
     def add(self, piece: MotionPiece) -> None:
-        """Add a piece from its start on, over the assembled frames or after them."""
+        """Append a piece, which takes over from frames that it overlaps; a gap before it holds the last pose."""
         first = round((piece.start - self.timing.begin) * self.timing.frame_rate)
         last = max(round((piece.end - self.timing.begin) * self.timing.frame_rate), first)
         source = PieceSource(piece, self.spine_places, self.timing)

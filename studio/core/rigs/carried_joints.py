@@ -45,12 +45,11 @@ def with_carried_joints(
     carried: Sequence[int],
     captured: PoseSequence | None = None,
 ) -> tuple[Skeleton, PoseSequence]:
-    """Skeleton and poses of ``adapted`` (see ``character_skeleton``), followed by the ``carried`` joints of the
-    capture.
+    """Skeleton and poses of the character of ``adapted``, with the ``carried`` joints of the capture appended.
 
     Each is a child of the joint of its segment, rotated as captured, and its offset is scaled with the segment. Joints
-    outside the body stay where they were recorded. ``captured`` are poses of the capture's joints in these frames, if
-    they are not those of the same frames of the capture.
+    outside the body stay where they were recorded. ``captured`` are the poses of the capture's joints in each frame of
+    ``adapted``; by default those in the same frames of the capture.
     """
     source = actor.skeleton
     if captured is None:

@@ -42,8 +42,8 @@ class BodyResidual:
         if self.worst.is_invisible:
             return "held", colours.mixed_colour(colours.HELD, colours.TEXT, 0.35)
         if self.worst.is_hardly_visible:
-            return "partly", colours.PARTLY
-        return "short", colours.NOT_REACHED
+            return "partly held", colours.PARTLY
+        return "not reached", colours.NOT_REACHED
 
 
 def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyResidual]:
@@ -142,12 +142,12 @@ class ResidualTable(QWidget):
 
 
 def words_of(residual: BodyResidual) -> str:
-    """Residual as text: ``short by 42 mm at 23``, or that the constraint is met or inactive."""
+    """Residual as text: ``not reached, 42 mm at 23``, or that the constraint is met or inactive."""
     word, _ = residual.state
     if residual.worst is None or word == "held":
         return word
     remark = f", {residual.worst.remark}" if residual.worst.remark else ""
-    return f"{word} by {residual.worst.text} at {residual.worst.stage_frame}{remark}"
+    return f"{word}, {residual.worst.text} at {residual.worst.stage_frame}{remark}"
 
 
 def short_words_of(residual: BodyResidual) -> str:

@@ -13,7 +13,10 @@ from studio.timeline.tracks.hold import hold_under
 
 
 class DragHold(EditGesture[Prop]):
-    """Drag of the bar to move a hold in time, of an end to change the pick-up or put-down; hands go with it."""
+    """Drag of the bar to move a hold in time, of an end to change the pick-up or put-down.
+
+    The hand constraints that grip the prop are retimed too.
+    """
 
     collection = "props"
 

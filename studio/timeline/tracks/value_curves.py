@@ -12,7 +12,7 @@ from PySide6.QtCore import QPointF, QRect, QRectF, Qt
 from PySide6.QtGui import QColor, QPainter
 
 from studio.document import colours
-from studio.document.channels import Channel, Side, channels_of, components_at, handle_of, key_values, values_at
+from studio.document.channels import Channel, TangentSide, channels_of, components_at, handle_of, key_values, values_at
 from studio.document.keyed_fields import (
     Keyed,
     KeyedField,
@@ -52,7 +52,7 @@ class HandleRef(NamedTuple):
 
     channel: Channel
     place: int
-    side: Side | None = None
+    side: TangentSide | None = None
 
     @property
     def key(self) -> KeyRef:
@@ -181,7 +181,7 @@ class ValueCurves:
         selected = shown.document.keys.by_field()
         for channel, keyed in self.channels(shown) if selected else ():
             for place in selected.get(channel.field, ()):
-                for side in Side:
+                for side in TangentSide:
                     handle = HandleRef(channel, place, side)
                     point = self.handle_point(shown, area, handle, keyed)
                     if point is not None:

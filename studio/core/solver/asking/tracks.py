@@ -47,10 +47,10 @@ class Track:
 def raised_along_arms(
     follow: Follow | OwnPlace | Support, track: Track, positions: PoseArray, layout: BodyLayout
 ) -> Track:
-    """``track`` with fingers raised by a part of the arms' elevation, for a hand that follows a prop along the arms.
+    """Hand target ``track``, pitched up by a fraction of the arms' elevation if ``follow`` aligns the hand with them.
 
-    The elevation is that of the prop's point from the middle of the shoulders of a body with ``positions`` (F, P, 3).
-    Other tracks are returned as they are.
+    The elevation is that of the line from the middle of the shoulders of a body with ``positions`` (F, P, 3) to the
+    followed point of the prop. Any other track is returned unchanged.
     """
     if not (isinstance(follow, FollowProp) and follow.along_arms):
         return track

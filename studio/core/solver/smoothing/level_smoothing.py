@@ -213,8 +213,8 @@ class SolveNotes:
         return bool((self.ratios(self.sharp, allowed) > SMOOTHING_RANGE.begin).any())
 
     def ratios(self, sharp: FloatArray, allowed: FloatArray) -> FloatArray:
-        """Greatest ratios (F, 3) of peaks ``sharp`` to the ``allowed`` ones: of root, other joints of the search, and
-        limbs.
+        """Greatest ratios (F, 3) of peak accelerations ``sharp`` (F, N + 1), rad/s2, to the ``allowed`` ones: of the
+        root, of the other joints of the search, and of the limbs.
         """
         each, is_root = sharp / allowed, self.joints["segment"] == ROOT_TRANSLATION
         root, others = (each[:, :-1][:, mask].max(axis=1, initial=0.0) for mask in (is_root, ~is_root))
