@@ -31,15 +31,17 @@ def fitted_range(timing: Timing, motion: AdaptedMotion, pose: PoseOffsets, time:
         PEAK_SPEED_LOSS * _speeds(motion, rows, PoseOffsets(), np.zeros(len(rows))).max(axis=0), REACH_SPEED
     )
     _, full, full_end, _ = new_correction_range(time).times
-    found = []
-    for side in (slice(None, count), slice(count, None)):
-        excesses = []
-        for fade in FADES:
-            activation = ActivationCurve(full - fade, full, full_end, full_end + fade).at(times)
-            peaks = _speeds(motion, rows, pose, activation)[side].max(axis=0)
-            excesses.append(round(float(np.log(np.maximum(peaks / allowed, 1.0)).sum()), 2))
-        found.append(FADES[int(np.argmin(excesses))])
-    return ActivationCurve(full - found[0], full, full_end, full_end + found[1])
+    curves = [ActivationCurve(full - fade, full, full_end, full_end + fade) for fade in FADES]
+    speeds = [_speeds(motion, rows, pose, curve.at(times)) for curve in curves]
+
+    def fitted_fade(side: slice) -> float:
+        peaks = [each[side].max(axis=0) for each in speeds]
+        excesses = [round(float(np.log(np.maximum(peak / allowed, 1.0)).sum()), 2) for peak in peaks]
+        return FADES[int(np.argmin(excesses))]
+
+    return ActivationCurve(
+        full - fitted_fade(slice(None, count)), full, full_end, full_end + fitted_fade(slice(count, None))
+    )
 
 
 def _speeds(motion: AdaptedMotion, rows: NDArray[np.intp], pose: PoseOffsets, activation: FloatArray) -> FloatArray:
