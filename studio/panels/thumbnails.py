@@ -1,12 +1,13 @@
 """Thumbnails of captures, characters, poses and scenes; those of the library are drawn in the background and cached."""
 
+import weakref
 from collections.abc import Callable, Hashable
-from contextlib import suppress
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PySide6.QtCore import QLineF, QObject, QPointF, Qt, QThreadPool, Signal
+from PySide6.QtCore import QLineF, QObject, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QImage, QPainter, QPen, QPixmap
 
 from studio.core.body.canonical import BodyPart
@@ -27,6 +28,9 @@ FloatArray = NDArray[np.float64]
 
 THUMBNAIL_PIXELS = 72
 """Width and height in pixels, twice the size in the list for high resolution screens."""
+_POLL_MS = 30
+"""Milliseconds between two looks for drawn pictures, while any is being drawn."""
+_PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 _MARGIN = 4
 _POINTS = 24_000
 _LIGHT = np.array([0.8, 0.3, 0.52])
@@ -42,18 +46,23 @@ _FARTHEST = 0.35
 
 
 class Thumbnails(QObject):
-    """Cache of thumbnails by entity. A thumbnail is None until it is drawn; then ``drawn`` is emitted."""
+    """Cache of thumbnails by entity. A thumbnail is None until it is drawn; then ``drawn`` is emitted.
+
+    The drawing thread holds only values: an object of Qt whose last reference went on that thread would be destroyed
+    there, while the window's thread still delivers its signals.
+    """
 
     drawn = Signal()
-    _made = Signal(object, object)
 
     def __init__(self, document: Document) -> None:
         super().__init__()
         self._document = document
         self._pictures: dict[Hashable, tuple[object, QPixmap | None]] = {}
-        self._pool = QThreadPool(self)
-        self._pool.setMaxThreadCount(1)
-        self._made.connect(self._keep, Qt.ConnectionType.QueuedConnection)
+        self._drawings: dict[Hashable, Future[QImage]] = {}
+        self._executor = ThreadPoolExecutor(1, "thumbnails")
+        weakref.finalize(self, self._executor.shutdown, wait=False, cancel_futures=True)
+        self._poll = QTimer(self, interval=_POLL_MS)
+        self._poll.timeout.connect(self._take)
         document.project_opened.connect(self._pictures.clear)
 
     def of(self, collection: str, entity_id: str) -> QPixmap | None:
@@ -84,19 +93,19 @@ class Thumbnails(QObject):
         if key in self._pictures:
             return self._pictures[key][1]
         self._pictures[key] = (drawn, None)  # kept, so that its id stays its own
-
-        def work() -> None:
-            picture = draw()
-            with suppress(RuntimeError):  # the window is gone
-                self._made.emit(key, picture)
-
-        self._pool.start(work)
+        self._drawings[key] = self._executor.submit(draw)
+        self._poll.start()
         return None
 
-    def _keep(self, key: Hashable, picture: QImage) -> None:
-        if key in self._pictures and not picture.isNull():
-            self._pictures[key] = (self._pictures[key][0], QPixmap.fromImage(picture))
-            self.drawn.emit()
+    def _take(self) -> None:
+        """Keep the pictures that have been drawn since the last call."""
+        for key in [key for key, drawing in self._drawings.items() if drawing.done()]:
+            picture = self._drawings.pop(key).result()
+            if key in self._pictures and not picture.isNull():
+                self._pictures[key] = (self._pictures[key][0], QPixmap.fromImage(picture))
+                self.drawn.emit()
+        if not self._drawings:
+            self._poll.stop()
 
 
 def bundled_picture(key: str) -> QImage:
@@ -110,8 +119,14 @@ def saved_picture(path: Path) -> QImage:
 
 
 def _square(content: bytes) -> QImage:
-    """Centre square of an image file; null if ``content`` is not an image."""
-    image = QImage.fromData(content)
+    """Centre square of a PNG file; null if ``content`` is none.
+
+    Qt must not look for another format: its reader of SVG connects signals, and waits for a lock of the window's thread
+    that may itself wait for Python.
+    """
+    image = QImage()
+    if content.startswith(_PNG_SIGNATURE):
+        image.loadFromData(content, "PNG")
     side = min(image.width(), image.height())
     middle = image.copy((image.width() - side) // 2, (image.height() - side) // 2, side, side)
     smooth = Qt.TransformationMode.SmoothTransformation
