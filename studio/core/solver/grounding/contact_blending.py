@@ -60,6 +60,8 @@ def interpolated_corrections(corrections: FloatArray, known: NDArray[np.bool_], 
     its path.
     """
     filled = corrections.copy()
+    if not known.any():
+        return filled
     interpolate_gaps(
         filled, known | (_frames_to_nearest(known) >= max(round(DISPLACEMENT_RETURN_SECONDS * frame_rate), 1))
     )

@@ -201,17 +201,23 @@ def within_reach(
 def _knee_displacements(
     hold: GroundContact, footing: Footing, body: AnyMorphology, positions: FloatArray
 ) -> FloatArray:
-    """Displacements (F, 3) of knees in contact to their bones' lengths from hips, and from standing toes."""
+    """Displacements (F, 3) of knees in contact to their bones' lengths from hips, and within reach of standing toes.
+
+    A foot that lies in line with its shank stays so: shorter by a millimetre, its ankle would be off by centimetres.
+    """
     side = hold.point.side
     legs = leg_rows(body, side)
     residual = _too_far(hold.places, positions[:, body.layout.hip_point(side)], legs[:, 0], legs[:, 0])
     to_toe = body.rows[:, measure.FOOT + 3 * side :][:, :3]
-    feet, length = footing.feet[side], np.linalg.norm(to_toe, axis=1)
-    toes = footing.ankles[side] + np.einsum("fij,fj->fi", feet, np.broadcast_to(to_toe, hold.places.shape))
-    both = np.column_stack([legs[:, 1] + 0.0 * length, length + 0.0 * legs[:, 1]])
-    most = (1.0 - FOLDED_MARGIN_FRACTION) * both.sum(axis=1)
-    shin = _too_far(hold.places, toes, _shortest(both), most)
-    return residual + np.where(footing.states[side][:, None] == TOE_STANDS, shin, 0.0)
+    bones = np.column_stack(np.broadcast_arrays(legs[:, 1], np.linalg.norm(to_toe, axis=1)))
+    turned = np.einsum("fij,fj->fi", footing.feet[side], np.broadcast_to(to_toe, hold.places.shape))
+    knee, toe = (positions[:, body.layout.hip_point(side) + k] for k in (1, 3))
+    apart, both = np.linalg.norm(toe - knee, axis=1), hold.standing & (footing.states[side] == TOE_STANDS)
+    for first, past in runs_of(both):
+        apart[first:past] = np.median(apart[first:past])
+    most = np.maximum(apart, (1.0 - FOLDED_MARGIN_FRACTION) * bones.sum(axis=1))
+    shin = _too_far(hold.places, footing.ankles[side] + turned, _shortest(bones), most)
+    return residual + np.where(both[:, None], shin, 0.0)
 
 
 def _too_far(ends: FloatArray, starts: FloatArray, least: FloatArray, most: FloatArray) -> FloatArray:
@@ -278,8 +284,9 @@ def _kneeling(
         ankle = footing.ankles[side] + _off_its_instep(footing.ankles[side], feet[side], toes[side], soles, ground)
         tip, length = ankle + to_toe, np.linalg.norm(to_toe, axis=1, keepdims=True)
         knees = knees + firm * heel * (ankle + shank * normalized(knees - ankle) - knees)
-        pinned = _on_both(knees, shank, tip, length, ankle)
-        shin = normalized((1.0 - toe) * normalized(ankle - knees) + toe * normalized(pinned - knees))
+        free, stands = knees + shank * normalized(ankle - knees), hold.standing & ((states & TOE_STANDS) != 0)
+        pinned = np.where(stands[:, None], _on_both(knees, shank, tip, length, ankle) - free, 0.0)
+        shin = normalized(free + interpolated_corrections(pinned, stands, frame_rate) - knees)
         placed = ankle + firm * (knees + shank * shin - ankle)
         by_toe = toe * (1.0 - firm) / np.maximum(toe * (1.0 - firm) + firm * (1.0 - toe), 1e-9)
         placed = placed + by_toe * (tip + length * normalized(placed - tip) - placed)
