@@ -222,15 +222,25 @@ def test_steps_are_kept_in_the_noise_of_joints_that_shake_by_half_a_degree() -> 
     assert np.mean(kept) >= 0.95
 
 
-def test_a_hand_stands_until_it_begins_to_leave() -> None:
-    """One that is drawn along the ground at the end of its contact does not rise, and stands to the end."""
-    leaving = np.clip(np.arange(120.0) - 60.0, 0.0, 7.0) ** 2 * 0.0012
+@pytest.mark.parametrize("way", [1, -1], ids=["leaves", "lands"])
+def test_a_hand_stands_from_when_it_is_down_until_it_begins_to_leave(way: int) -> None:
+    """One that is drawn along the ground at an end of its contact does not rise or sink, and stands there too."""
+    travel = np.clip(np.arange(120.0) - 60.0, 0.0, 7.0) ** 2 * 0.0012
     for rises, last in ((True, 62), (False, 66)):
         tracks = {point: np.tile([0.0, 0.0, 0.5], (120, 1)) for point in BODY_POINTS}
-        hand = tracks[ContactPoint.LEFT_HAND]
-        hand[:, 0], hand[:, 2] = leaving, np.where(np.arange(120) > 66, 0.5, 0.05 + 0.3 * leaving * rises)
-        ((_, found),) = detect_body_contacts(tracks, 0.8, RATE)[ContactPoint.LEFT_HAND]
-        assert abs(found - last) <= 1
+        track = np.column_stack([travel, 0.0 * travel, np.where(np.arange(120) > 66, 0.5, 0.05 + 0.3 * travel * rises)])
+        tracks[ContactPoint.LEFT_HAND][:] = track[::way]
+        ((first, past),) = detect_body_contacts(tracks, 0.8, RATE)[ContactPoint.LEFT_HAND]
+        assert abs((past if way > 0 else 119 - first) - last) <= 1
+
+
+def test_a_hand_that_is_never_still_stands_if_it_comes_down_and_rises_again() -> None:
+    """One of a cartwheel does; one that passes low over the ground as it rises does not."""
+    frames = np.arange(40.0)
+    for bottom, stands in ((20, True), (10, False)):
+        height = 0.05 + 0.0002 * (frames - bottom) ** 2
+        track = np.column_stack([0.008 * frames, 0.0 * frames, np.where(np.abs(frames - 20) < 5, height, 0.5)])
+        assert bool(_touching(ContactPoint.LEFT_HAND, track)) == stands
 
 
 def test_flicker_is_closed_and_blinks_are_dropped() -> None:

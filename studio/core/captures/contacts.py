@@ -438,7 +438,7 @@ def detect_body_contacts(
         speeds = point_speeds(track[first_frame:], near, frame_rate)
         standing = near & (speeds < BODY_CONTACT_SPEEDS[point.member])
         if point.member == "hand":
-            standing = _until_it_leaves(standing, speeds < STILL_SPEED, track[first_frame:, 2])
+            standing = _between_rests(standing, speeds < STILL_SPEED, track[first_frame:, 2])
         spans = _without_flicker(standing, track[first_frame:], round(SHORTEST_CONTACT_SECONDS * frame_rate))
         rest = round(REST_SECONDS * frame_rate)
         stays = [stay for first, last in spans for stay in _stays(track[first_frame:], first, last, rest)]
@@ -451,16 +451,22 @@ def detect_body_contacts(
     return found
 
 
-def _until_it_leaves(standing: NDArray[np.bool_], still: NDArray[np.bool_], heights: FloatArray) -> NDArray[np.bool_]:
-    """Contacts ``standing`` (F,) of a hand, each cut after its last ``still`` frame (F,) if the hand rises from there.
+def _between_rests(standing: NDArray[np.bool_], still: NDArray[np.bool_], heights: FloatArray) -> NDArray[np.bool_]:
+    """Contacts ``standing`` (F,) of a hand, each cut before its first ``still`` frame (F,) if the hand sinks until
+    there, and after its last one if it rises from there.
 
-    A hand that is kept on the ground while it leaves would hold the body back. A contact without a still frame is not
-    cut.
+    A hand that is kept on the ground while it comes down or leaves would hurry the body, or hold it back. One that is
+    never still stands if it comes down and rises again, and passes by if it does not.
     """
     cut = standing.copy()
     for first, last in spans_of(standing):
         rests = first + np.flatnonzero(still[first : last + 1])
-        if len(rests) and heights[last] > heights[rests[-1]]:
+        if not len(rests):
+            cut[first : last + 1] = 0 < heights[first : last + 1].argmin() < last - first
+            continue
+        if heights[first] > heights[rests[0]]:
+            cut[first : rests[0]] = False
+        if heights[last] > heights[rests[-1]]:
             cut[rests[-1] + 1 : last + 1] = False
     return cut
 
