@@ -437,11 +437,11 @@ def detect_body_contacts(
         near = track[first_frame:, 2] < BODY_CONTACT_HEIGHTS[point.member] * leg_length
         speeds = point_speeds(track[first_frame:], near, frame_rate)
         standing = near & (speeds < BODY_CONTACT_SPEEDS[point.member])
-        if point.member == "hand":
-            standing = _between_rests(standing, speeds < STILL_SPEED, track[first_frame:, 2])
         spans = _without_flicker(standing, track[first_frame:], round(SHORTEST_CONTACT_SECONDS * frame_rate))
         rest = round(REST_SECONDS * frame_rate)
         stays = [stay for first, last in spans for stay in _stays(track[first_frame:], first, last, rest)]
+        if point.member == "hand":
+            stays = [part for stay in stays for part in _resting(stay, speeds < STILL_SPEED, track[first_frame:, 2])]
         least = SHORTEST_BODY_CONTACT_SECONDS[point.member] * frame_rate
         found[point] = [(a + first_frame, b + first_frame) for a, b in stays if b - a + 1 > least]
     for knee in (ContactPoint.LEFT_KNEE, ContactPoint.RIGHT_KNEE):
@@ -451,24 +451,20 @@ def detect_body_contacts(
     return found
 
 
-def _between_rests(standing: NDArray[np.bool_], still: NDArray[np.bool_], heights: FloatArray) -> NDArray[np.bool_]:
-    """Contacts ``standing`` (F,) of a hand, each cut before its first ``still`` frame (F,) if the hand sinks until
-    there, and after its last one if it rises from there.
+def _resting(contact: Span, still: NDArray[np.bool_], heights: FloatArray) -> list[Span]:
+    """Contact of a hand without the frames before its first ``still`` one (F,) if the hand sinks until there, and
+    after its last one if it rises from there; in a list.
 
     A hand that is kept on the ground while it comes down or leaves would hurry the body, or hold it back. One that is
     never still stands if it comes down and rises again, and passes by if it does not.
     """
-    cut = standing.copy()
-    for first, last in spans_of(standing):
-        rests = first + np.flatnonzero(still[first : last + 1])
-        if not len(rests):
-            cut[first : last + 1] = 0 < heights[first : last + 1].argmin() < last - first
-            continue
-        if heights[first] > heights[rests[0]]:
-            cut[first : rests[0]] = False
-        if heights[last] > heights[rests[-1]]:
-            cut[rests[-1] + 1 : last + 1] = False
-    return cut
+    first, last = contact
+    rests = first + np.flatnonzero(still[first : last + 1])
+    if not len(rests):
+        return [contact] if 0 < heights[first : last + 1].argmin() < last - first else []
+    begin = rests[0] if heights[first] > heights[rests[0]] else first
+    end = rests[-1] if heights[last] > heights[rests[-1]] else last
+    return [(int(begin), int(end))]
 
 
 def prone_mask(hips: FloatArray, shoulders: FloatArray) -> NDArray[np.bool_]:
