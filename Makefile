@@ -17,8 +17,14 @@ tests_real = $(wildcard tests/real/test_[a-p]*.py)
 tests_live = $(filter-out $(tests_real),$(wildcard tests/real/test_*.py)) tests/live tests/engine tests/monkey
 tests_files = tests/io tests/library tests/examples tests/document
 tests_rest = $(filter-out tests/real $(foreach job,$(filter-out rest,$(JOBS)),$(tests_$(job))),$(FOLDERS))
+# Outside tests/real few tests need captures of people, so that one process that loads the program serves them all.
+tests_captures = $(tests_files) $(tests_core) $(tests_rest)
 FOLDERS = $(patsubst %/,%,$(sort $(dir $(wildcard tests/*/test_*.py))))
 AT_ONCE = $(shell expr $$(getconf _NPROCESSORS_ONLN) + 1)
+# What a job waits for, and what starts lint, in `make test`: lint takes the time of a processor that nobody else uses,
+# as one is while the longer of two processes compiles the last kernels.
+FIRST ?=
+YIELD ?=
 
 # Lines of jobs that run at once are shown as they come, each with the name of its job.
 shown = ($(1)) 2>&1 | while IFS= read -r line; do echo "$@: $$line"; done
@@ -26,7 +32,7 @@ shown = ($(1)) 2>&1 | while IFS= read -r line; do echo "$@: $$line"; done
 # More arguments for pytest, for example: make test PYTEST="-m captures". A job of which they leave nothing passes.
 PYTEST ?=
 
-.PHONY: run check test kernels $(JOBS) lint fast bench quality soak examples pictures films format
+.PHONY: run check test kernels $(JOBS) captures lint fast bench quality soak examples pictures films format
 
 run: .venv/.ready-to-run
 	@$(STUDIO)
@@ -35,18 +41,17 @@ check: .venv/.ready-to-test
 	@$(MAKE) --no-print-directory --jobs 2 lint fast
 
 test: .venv/.ready-to-test
-	@$(MAKE) --no-print-directory --jobs 2 kernels lint
-	@$(MAKE) --no-print-directory --jobs $(AT_ONCE) $(JOBS)
+	@$(MAKE) --no-print-directory --jobs $(AT_ONCE) FIRST=kernels YIELD=nice kernels lint $(JOBS)
 
 kernels: .venv/.ready-to-test
 	@$(call shown,.venv/bin/python -m tests.compile_kernels)
 
-$(JOBS): .venv/.ready-to-test
+$(JOBS) captures: .venv/.ready-to-test $(FIRST)
 	@$(call shown,.venv/bin/python -u -m pytest $(PYTEST) $(tests_$@) $(if $(PYTEST),|| [ $$? = 5 ]))
 
 lint: .venv/.ready-to-test
-	@$(call shown,.venv/bin/ruff format --check . && .venv/bin/ruff check . && .venv/bin/mypy)
-	@$(call shown,.venv/bin/lint-imports --no-logo)
+	@$(call shown,$(YIELD) .venv/bin/ruff format --check . && $(YIELD) .venv/bin/ruff check . && $(YIELD) .venv/bin/mypy)
+	@$(call shown,$(YIELD) .venv/bin/lint-imports --no-logo)
 
 fast: .venv/.ready-to-test
 	@$(call shown,.venv/bin/python -u -m pytest -q $(FAST) --ignore tests/architecture/test_wheel.py)
