@@ -1,5 +1,6 @@
 """Every shared capture becomes a capture, with the right body and every assumption listed."""
 
+from contextlib import suppress
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
@@ -11,10 +12,12 @@ from studio.core.body.humanoid import BodyPart
 from studio.core.body.kinematics import joint_world, rest_poses
 from studio.core.captures.capture import Capture
 from studio.core.errors import StudioError
+from studio.core.normalized.normalize import normalize_capture
 from studio.io.bvh.reader import read_bvh, write_bvh
 from studio.io.importing import ImportOptions, load_capture
 from tests.builders import BODY_MAP, make_poses, make_skeleton
 from tests.captures import CAPTURES
+from tests.io.seeds import SEEDS
 
 FILES = sorted((CAPTURES / "bvh").rglob("*.bvh"))
 NO_HUMAN = "pybvh_rotation_first_root"
@@ -267,6 +270,25 @@ def test_a_unit_may_be_a_number_of_metres(walk: Path) -> None:
 def test_options_that_do_not_fit_are_refused(walk: Path, options: ImportOptions, sentence: str) -> None:
     with pytest.raises(StudioError, match=sentence.replace(". ", r"\. ")):
         load_capture(walk, options)
+
+
+@pytest.mark.parametrize("suffix", [".bvh", ".amc", ".glb"])
+def test_whatever_is_chosen_makes_a_body_or_is_refused_in_a_sentence(suffix: str, tmp_path: Path) -> None:
+    """Hips above each other in the chosen pose, a pelvis at the neck, and no pelvis at all were internal errors."""
+    path = tmp_path / f"good{suffix}"
+    SEEDS[suffix](path)
+    found = load_capture(path)
+    assert found.body_map is not None
+    guessed = found.body_map.to_json(found.skeleton)
+    chosen = [{}, *({part: name} for part in guessed for name in ("", *found.skeleton.names[::5])), {"pelvis": "neck"}]
+    made = 0
+    for number, change in enumerate(chosen):
+        for up_axis in (None, "X"):
+            options = ImportOptions(body_map=guessed | change, up_axis=up_axis, reference=("zero", "0")[number % 2])
+            with suppress(StudioError):
+                normalize_capture(load_capture(path, options))
+                made += 1
+    assert made > len(chosen) / 2
 
 
 def test_progress_grows_to_the_end(walk: Path) -> None:

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.core.errors import StudioError
 from studio.core.normalized.landmarks import Landmarks, measured_frames
 from studio.core.rotations import frame_along, normalized, shortest_arc
 
@@ -65,16 +66,27 @@ def find_alignments(marks: Landmarks) -> FloatArray:
 def trunk_lean(marks: Landmarks) -> FloatArray:
     """Rotation (3, 3) from the vertical to the line from hips to neck in the reference pose.
 
-    A reference pose taken from the motion is seldom upright: that of a fighter on guard leans.
+    A reference pose taken from the motion is seldom upright: that of a fighter on guard leans. Raises StudioError if the
+    neck is between the hips.
     """
     layout, reference = marks.layout, marks.reference
     line = reference[layout.neck_base] - 0.5 * (reference[layout.hip_point(0)] + reference[layout.hip_point(1)])
+    if not line.any():
+        raise StudioError("The neck is between the hips. Choose another joint in the inspector, under Body map.")
     return shortest_arc(ALIGNED_UP, normalized(line))
 
 
 def anatomical_frame(leftward: FloatArray) -> FloatArray:
-    """Axes (3, 3) as columns, x forward, y left, z up, of an upright body whose left is ``leftward`` (3,)."""
+    """Axes (3, 3) as columns, x forward, y left, z up, of an upright body whose left is ``leftward`` (3,).
+
+    Raises StudioError if the body lies on its side.
+    """
     y = normalized(leftward - leftward @ ALIGNED_UP * ALIGNED_UP)
+    if not y.any():
+        raise StudioError(
+            "In the reference pose one hip is straight above the other, so the body has no front. Choose "
+            "another reference pose, up axis or body map in the inspector."
+        )
     return np.stack([np.cross(y, ALIGNED_UP), y, ALIGNED_UP], axis=1)
 
 

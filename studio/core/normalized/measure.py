@@ -93,7 +93,7 @@ def _head_length(marks: Landmarks, points: FloatArray) -> float:
     layout = marks.layout
     bones = points[:, layout.head_end] - points[:, layout.head_joint]
     trunk = np.linalg.norm(marks.reference[layout.neck_base] - marks.reference[0])
-    return max(float(np.median(np.linalg.norm(bones, axis=1))), 0.3 * float(trunk))
+    return max(float(np.median(np.linalg.norm(bones, axis=1))), 0.3 * float(trunk), SHORTEST_BONE_METRES)
 
 
 def _ankle_heights(

@@ -295,10 +295,8 @@ def _overruled(
     parts |= {part: joints[0] for part, joints in fixed.items() if joints}
     given = sorted((int(key[6:]), skeleton.index(name)) for key, name in chosen.items() if is_spine(key))
     chest = given[-1][1] if given else found.spine[-1]
-    spine = skeleton.path(parts[BodyPart.PELVIS], chest)
-    if given:
-        spine = (parts[BodyPart.PELVIS], *(joint for _, joint in given))
-    return BodyMap(parts, spine)
+    pelvis = parts.get(BodyPart.PELVIS, chest)  # without one, ``BodyMap`` says so
+    return BodyMap(parts, (pelvis, *(joint for _, joint in given)) if given else skeleton.path(pelvis, chest))
 
 
 def _chosen_are_no_body(best: BodyMatch) -> StudioError:
