@@ -81,20 +81,20 @@ PART_WORDS: tuple[tuple[str, str], ...] = (
         "wrist",
         r"wra|wts|wri(st?)?.?(a|thumb|rad(ius|ial)?|m|in|inner|int|la?t|lateral)|rsp?|rhe|(fa.?)?rad(ius|ial)?(.?sty(loid)?)?|"
         r"sty(l(oid)?)?.?rad.*|"
-        r"(l|la?t|lateral).?w(rist)?|wrr?|wm",
+        r"(l|la?t|lateral).?w(rist)?|wrr?|wm|poignet.?(ext\w*|rad\w*)",
     ),
     (
         "outer_wrist",
         r"wrb|wps|wri(st?)?.?(b|pinky|little|uln(ar?)?|l|out|outer|ext|me?d|medial)|usp?|uhe|(fa.?)?uln(ar?)?(.?sty(loid)?)?|"
         r"sty(l(oid)?)?.?uln.*|"
-        r"(m|me?d|medial).?w(rist)?|wr?u|wl",
+        r"(m|me?d|medial).?w(rist)?|wr?u|wl|poignet.?(int\w*|uln\w*|cub\w*)",
     ),
     ("wrists", r"wri(st)?\d*|mai|poignet"),
-    ("hand", r"fin(ger)?|hmc?[235]|mc[235]|hand\d*|knu(ckle)?|hand.?(in|out)"),
+    ("hand", r"fin(ger)?|hmc?[235]|mc[235]|hand\d*|knu(ckle)?|hand.?(in|out)|main\d*|doigt\d*"),
     ("upper_arm", r"upa|uarm\d*|upper.?arm\d*|arm\d*|uarm.?high"),
     ("forearm", r"fra|frm|farm\d*|fore.?arm\d*"),
-    ("front_head", r"fhd|hdf|front.?head|head.?front|tet|temp(le)?"),
-    ("back_head", r"bhd|hdb|back.?head|head.?back"),
+    ("front_head", r"fhd|hdf|front.?head|head.?front|t[eê]te?|temp(le)?|t[eê]te.?(av|ant|devant)\w*"),
+    ("back_head", r"bhd|hdb|back.?head|head.?back|t[eê]te.?(ar|post|derr)\w*"),
 )
 """Regular expressions for the parts of a side; the first one that matches a label without its side is taken."""
 MIDDLE_WORDS: tuple[tuple[str, str], ...] = (
