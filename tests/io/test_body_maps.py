@@ -256,6 +256,14 @@ def test_a_body_that_its_feet_leave_behind_is_brought_over_them() -> None:
     assert with_body_over_feet(skeleton, right, loose_feet(skeleton)) == (right, 0.0)
 
 
+def test_feet_that_end_the_shanks_in_motion_are_left_there_wherever_the_zero_pose_has_them() -> None:
+    skeleton, _, right = _walking(1.5)
+    offsets = skeleton.offsets.copy()
+    offsets[[skeleton.index("leftFoot"), skeleton.index("rightFoot")]] = 0.0
+    skeleton = Skeleton(skeleton.names, skeleton.parents, offsets, skeleton.end_sites)
+    assert with_body_over_feet(skeleton, right, loose_feet(skeleton)) == (right, 0.0)
+
+
 def test_feet_that_leave_the_legs_are_refused_with_the_reason() -> None:
     skeleton, wrong, _ = _walking(1.0, apart=0.3)
     with pytest.raises(StudioError, match="is parented to the root"):

@@ -49,8 +49,10 @@ def with_body_over_feet(skeleton: Skeleton, poses: PoseSequence, feet: Mapping[i
     world and leave the body behind, or fixed. The rotations of the legs give the position at which the ends of both
     shanks meet the feet. Raises StudioError if there is none.
     """
-    still = joint_world(skeleton, rest_poses(skeleton, np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))))[0][0]
     positions, turns = joint_world(skeleton, poses)
+    if all(_hangs_in_poses(positions[:, foot] - positions[:, shank], turns[:, shank]) for foot, shank in feet.items()):
+        return poses, 0.0
+    still = joint_world(skeleton, rest_poses(skeleton, np.tile(IDENTITY_QUATERNION, (skeleton.joint_count, 1))))[0][0]
     gaps = np.stack(
         [
             positions[:, foot] - positions[:, shank] - turns[:, shank] @ (still[foot] - still[shank])
@@ -73,6 +75,16 @@ def with_body_over_feet(skeleton: Skeleton, poses: PoseSequence, feet: Mapping[i
     moves = np.array(poses.local_translations)
     moves[:, body] += np.einsum("fji,fj->fi", carrier, gaps.mean(axis=0))
     return PoseSequence(poses.local_rotations, moves), farthest
+
+
+def _hangs_in_poses(bones: FloatArray, turns: FloatArray) -> bool:
+    """True if ``bones`` (F, 3), from shank to foot in the world, rotate with the shank, whose rotations are ``turns``
+    (F, 3, 3), wherever the zero pose has the foot.
+    """
+    near = _APART * float(np.median(np.linalg.norm(bones, axis=1)))
+    within = np.einsum("fji,fj->fi", turns, bones)
+    away, moved = (np.linalg.norm(each - np.median(each, axis=0), axis=1).max() for each in (within, bones))
+    return bool(away <= near < moved)
 
 
 def reparented_motion(skeleton: Skeleton, poses: PoseSequence, new: JointOrder) -> tuple[Skeleton, PoseSequence]:
