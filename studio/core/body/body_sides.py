@@ -29,12 +29,23 @@ def exchanged_limbs(body_map: BodyMap, points: FloatArray) -> tuple[str, ...]:
 
     hips, shoulders = pair("THIGH"), pair("UPPER_ARM")
     left = normalized(hips[:, 0] - hips[:, 1])
-    up = normalized(shoulders.mean(axis=1) - hips.mean(axis=1))
-    legs = False
-    if all(BodyPart[f"{side}_TOE"] in body_map.parts for side in ("LEFT", "RIGHT")):
-        front = normalized(np.cross(left, up))[:, None]
-        ahead = np.einsum("fsi,fsi->fs", normalized(pair("TOE") - pair("FOOT")), np.broadcast_to(front, hips.shape))
-        legs = bool(ahead.mean() < _BACKWARDS) and knees_bend_backwards(body_map, points)
+    legs = feet_point_backwards(body_map, points) and knees_bend_backwards(body_map, points)
     across = np.einsum("fi,fi->f", normalized(shoulders[:, 0] - shoulders[:, 1]), left * (-1.0 if legs else 1.0))
     arms = bool((across < _OPPOSITE).mean() > _MOSTLY)
     return tuple(name for name, exchanged in (("legs", legs), ("arms", arms)) if exchanged)
+
+
+def feet_point_backwards(body_map: BodyMap, points: FloatArray) -> bool:
+    """True if the feet of ``points`` (F, J, 3), in any axes, point backwards by the sides of the hips; False without
+    toes.
+    """
+    if not all(BodyPart[f"{side}_TOE"] in body_map.parts for side in ("LEFT", "RIGHT")):
+        return False
+
+    def pair(part: str) -> FloatArray:
+        return points[:, [body_map[BodyPart[f"{side}_{part}"]] for side in ("LEFT", "RIGHT")]]
+
+    hips = pair("THIGH")
+    front = np.cross(hips[:, 0] - hips[:, 1], pair("UPPER_ARM").mean(axis=1) - hips.mean(axis=1))
+    ahead = np.einsum("fsi,fi->fs", normalized(pair("TOE") - pair("FOOT")), normalized(front))
+    return bool(ahead.mean() < _BACKWARDS)

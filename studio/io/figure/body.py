@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.core.body.body_shape import body_by_shape
+from studio.core.body.body_sides import feet_point_backwards
 from studio.core.body.canonical import BodyLayout, BodyPart
 from studio.core.body.humanoid import LIMB_PARTS, BodyMap
 from studio.core.body.rehanging import JointOrder, reparented_order
@@ -140,11 +141,12 @@ def _body_of(figure: Figure, options: ImportOptions, hung: Figure, order: IntArr
         new = reparented_order(parents, loose)
         return _body_of(_rehung(figure, new), options, hung, order[new.order])
     body_map, guess = _find(figure, skeleton, options)
+    sides = _doubtful_sides(figure, body_map) if not options.body_map else None
     _check_limbs(figure, body_map)
     to_world = _upright(figure, body_map, options.up_axis)
     leg = _leg(figure.positions, body_map)
     scale, unit_guess = _scale(figure, leg, options.unit)
-    guesses = [each for each in (guess, unit_guess) if each is not None]
+    guesses = [each for each in (guess, sides, unit_guess) if each is not None]
     points = scale * figure.positions @ to_world.T
     return _Body(figure, skeleton, body_map, points, scale * to_world, tuple(guesses), hung, order)
 
@@ -219,6 +221,14 @@ def _find(figure: Figure, skeleton: Skeleton, options: ImportOptions) -> tuple[B
         f"{figure.source} shows no complete human body: {words}. Name its joints as H-Anim, Mixamo or VRM do, and"
         " export it again."
     )
+
+
+def _doubtful_sides(figure: Figure, body_map: BodyMap) -> Guess | None:
+    """Doubt about left and right of a body whose feet point backwards; None for any other."""
+    if not feet_point_backwards(body_map, figure.positions[None]):
+        return None
+    reason = "The feet point backwards: left and right may be swapped. Change them in the body map if they are."
+    return Guess("sides", "as the joints are named", reason, Confidence.DOUBTFUL)
 
 
 def _deepest(skeleton: Skeleton) -> int:
