@@ -182,6 +182,21 @@ def low_articulation(joints: dict[str, tuple[str, tuple[float, float, float]]], 
     return f'HAnimJoint {{ name "{name}" center {x} {y} {z} children [ {segment} {below} ] }}'
 
 
+def test_a_body_whose_feet_point_backwards_by_its_names_is_told(tmp_path: Path):
+    exchanged = re.sub(rb'"name": "(left|right)', lambda m: b'"name": "' + {b"left": b"right", b"right": b"left"}[m[1]],
+                       Gltf().gltf())  # fmt: skip
+    for content, expected in ((Gltf().gltf(), []), (exchanged, ["as the joints are named"])):
+        found = read(tmp_path, content, "hero.gltf")
+        assert [guess.value for guess in found.guesses if guess.subject == "sides"] == expected
+
+
+def test_joints_of_a_humanoid_in_xml_need_no_container_field(tmp_path: Path):
+    found = read(tmp_path, x3d().replace(" containerField='skeleton'", "").encode(), "hero.x3d")
+    plain = read(tmp_path, x3d().encode(), "hero.x3d")
+    assert found.joints == plain.joints
+    assert found.character.morphology == plain.character.morphology
+
+
 def test_level_one_of_articulation_is_enough(tmp_path: Path):
     """Shoulders and skull hang from one vertebra; feet have one joint before the toes."""
     joints = {"HumanoidRoot": ("", (0.0, 0.95, 0.0)), "sacroiliac": ("HumanoidRoot", (0.0, 0.92, 0.0))}

@@ -30,8 +30,13 @@ def figure_of(scene: list[SceneNode], path: Path) -> Figure:
     humanoids = [node for node in walk(scene) if node.kind in HUMANOID_NODES]
     if not humanoids:
         raise StudioError(f"{path.name} shows no humanoid: no HAnimHumanoid or Humanoid is in it. Export one.")
-    humanoid = max(humanoids, key=lambda node: sum(inner.kind in JOINT_NODES for inner in walk(node.nodes(*_BODY))))
+    humanoid = max(humanoids, key=lambda node: sum(inner.kind in JOINT_NODES for inner in walk(_body_nodes(node))))
     return _Reader(humanoid, ShapeMaterials(path)).figure(path)
+
+
+def _body_nodes(humanoid: SceneNode) -> list[SceneNode]:
+    """Nodes of the body; XML without ``containerField`` has them among the children."""
+    return humanoid.nodes(*_BODY) or humanoid.nodes("children")
 
 
 @dataclass
@@ -51,7 +56,7 @@ class _Reader:
     def figure(self, path: Path) -> Figure:
         """Figure of the humanoid: its body is read first, then its skin."""
         whole = _matrix(self.humanoid)
-        joints = [node for node in walk(self.humanoid.nodes(*_BODY)) if node.kind in JOINT_NODES]
+        joints = [node for node in walk(_body_nodes(self.humanoid)) if node.kind in JOINT_NODES]
         if not joints:
             raise StudioError(
                 f"{path.name}: its humanoid has no joints in 'skeleton' or 'humanoidBody'. Export it again."
@@ -74,7 +79,7 @@ class _Reader:
 
     def _walk(self, whole: FloatArray, centred: bool) -> None:
         """Read the joints at their centres; translations move them only in files that store offsets there."""
-        waiting = [(node, whole, -1) for node in reversed(self.humanoid.nodes(*_BODY))]
+        waiting = [(node, whole, -1) for node in reversed(_body_nodes(self.humanoid))]
         while waiting:
             node, matrix, joint = waiting.pop()
             self.visits += 1
