@@ -318,7 +318,9 @@ def _frames(
         total = row_start
     rows = np.arange(width, total + 1, width)
     if (ends[np.searchsorted(ends, rows)] != rows).any():
-        raise _wrong_row(name, counts, width, first_line)
+        if not _is_wrapped(counts) or total != width * _promised(header):
+            raise _wrong_row(name, counts, width, first_line)
+        repairs.append(f"{name}, line {first_line}: lines do not end where frames do; {width} numbers are a frame.")
     lines, counts = lines[: last + 1], counts[: last + 1]
     told = lambda share: progress(0.3 + 0.7 * share, f"Reading the motion of {name}")  # noqa: E731
     values = table(lines, counts, name, first_line, told).reshape(-1, width)
@@ -386,6 +388,12 @@ def _rows_of_zeros(values: FloatArray, positions: list[int]) -> NDArray[np.bool_
 def _is_cut(lines: list[bytes], last: int, header: _Header, rows: int) -> bool:
     """True if the file ends within a line before its last promised frame, so that its last number may lack digits."""
     return last == len(lines) - 1 and rows < _promised(header)
+
+
+def _is_wrapped(counts: NDArray[np.int64]) -> bool:
+    """True if the numbers run through lines of equal length, the last one shorter, as a table of fixed width does."""
+    full = counts[counts > 0]
+    return bool((full[:-1] == full[0]).all() and full[-1] <= full[0])
 
 
 def _no_frame(name: str, line: int, header: _Header) -> StudioError:
