@@ -34,6 +34,16 @@ _ARCHIVES = {
     "xz": b"\xfd7zXZ\x00",
 }
 """First bytes of archives and compressed files, by the name of their kind."""
+_OTHER_KINDS = {
+    "a PNG picture": b"\x89PNG\r\n",
+    "a JPEG picture": b"\xff\xd8\xff",
+    "a PDF document": b"%PDF-",
+    "a Blender scene": b"BLENDER",
+    "a Maya scene": b"//Maya ASCII",
+    "a Unity asset": b"%YAML 1.1\n%TAG !u!",
+    "a note of macOS about another file": b"\x00\x05\x16\x07",
+}
+"""First bytes of files that are taken for captures and characters, by what they are."""
 _TAR_AT = 257
 """Byte at which a tar archive says that it is one."""
 
@@ -48,6 +58,17 @@ def refuse_archive(name: str, head: bytes, own: Set[str]) -> None:
         kinds = ["tar"]
     if kinds and kinds[0] not in own:
         raise StudioError(f"{name} is a packed file ({kinds[0]}). Unpack it, then open the files that were in it.")
+
+
+def refuse_other_kind(name: str, head: bytes) -> None:
+    """Raise StudioError if the file ``name``, which begins with ``head``, is of a known kind that holds no motion and
+    no character for the studio.
+    """
+    kind = next((kind for kind, begin in _OTHER_KINDS.items() if head.startswith(begin)), None)
+    if kind is not None:
+        raise StudioError(
+            f"{name} is {kind}, whatever its name says. Choose another file, or export it as BVH, FBX or GLB."
+        )
 
 
 def refuse_stand_in(name: str, head: bytes) -> None:

@@ -16,7 +16,7 @@ from studio.core.captures.annotations import Annotations
 from studio.core.errors import StudioError
 from studio.core.plausible import BONE_RANGE, TRAVEL_RANGE
 from studio.io import plug_ins
-from studio.io.referenced_files import SNIFFED_BYTES, refuse_archive, refuse_devices, refuse_stand_in
+from studio.io.referenced_files import SNIFFED_BYTES, refuse_archive, refuse_devices, refuse_other_kind, refuse_stand_in
 
 if TYPE_CHECKING:
     from studio.core.captures.capture import Capture, Guess
@@ -362,6 +362,7 @@ def _format_of(path: Path, head: bytes, jobs: tuple[str, ...]) -> Format:
     if found is None:
         refuse_stand_in(path.name, head)
         refuse_archive(path.name, head, {each.packed for each in by_suffix})
+        refuse_other_kind(path.name, head)
         found = next(iter(by_suffix), None)
     if found is None:
         kinds = " or ".join(job.removesuffix("_reader") for job in jobs)
