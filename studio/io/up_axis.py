@@ -39,12 +39,16 @@ _STRAIGHT = 0.9
 _LEAST_TILT, _AGREED = np.radians(12.0), np.radians(10.0)
 """Lean from every axis that nobody who stands in one line keeps up, so it is a camera's; and how far it may be from
 square to the floor."""
+_LEAST_FLOOR_TILT, _NEARER = np.radians(5.0), 0.5
+"""Lean of the floor of a walk from which a camera is tilted, and greatest angle of the body to the floor's normal, as a
+fraction of that to the axis: on a ramp or on stairs the body stands along the axis."""
 _WALKS, _CARRIED = 0.3, 0.25
 """Leg lengths of a path that tells the floor, and of the body over what carries it where it stands."""
 _FEWEST, _SWAY = 24, np.radians(7.0)
 """Frames that tell a lean from a pose, and the median sway about it of one who leans no more than a camera does."""
-_FLOOR_NOISE = 0.03
-"""Leg lengths by which standing feet lie off one plane."""
+_FLOOR_NOISE, _OFF_PLANE, _UNSURE = 0.03, 0.06, 5.0
+"""Leg lengths by which standing feet lie off one plane, and from which they stand on no level floor; and how many times
+as far as they do in a take its path must lead to tell the slope of the floor along it."""
 _DOUBTFUL = 0.3
 
 
@@ -138,7 +142,11 @@ def guess_up_axis(
         if near == best or (support is not None and support @ tilted > _CARRIED):
             degrees = np.degrees(np.arccos(np.clip(tilted @ axes[near], -1.0, 1.0)))
             words = f"Standing, the body leans by {degrees:.0f} degrees from {names[near]} all the time, as a tilted "
-            return Guess("up axis", _named(tilted), words + "camera sees it.", Confidence.LIKELY)
+            words += "camera sees it."
+            if degrees > np.degrees(_LEAST_TILT):
+                return Guess("up axis", _named(tilted), words, Confidence.LIKELY)
+            words += f" So does the floor it walks on; choose {names[near]} if it is a ramp."
+            return Guess("up axis", _named(tilted), words, Confidence.DOUBTFUL)
     stands = upright[best] > 0.5
     words = f"Through the take the body {'stands along' if stands else 'is above what it rests on, towards'} {name}."
     if rest is not None and at_rest[best] < 0.7:
@@ -182,7 +190,7 @@ def _supported(body: BodyPoints) -> FloatArray | None:
 
 def _tilted(body: BodyPoints, along: FloatArray, straight: NDArray[np.bool_]) -> FloatArray | None:
     """Up direction (3,) if no axis is up: that of the standing body, perpendicular to its travel and to its resting
-    points.
+    points as far as these tell a plane.
 
     The tilt of a camera is constant through the take; that of a leaning body is not. None if there is no such tilt.
     """
@@ -198,14 +206,19 @@ def _tilted(body: BodyPoints, along: FloatArray, straight: NDArray[np.bool_]) ->
     for pair in (body.ankles,) if body.toes is None else (body.ankles, body.toes):
         still = np.linalg.norm(pair[1] - pair[0], axis=-1) < _STILL * np.maximum(moved, _MOVING * body.leg)[:, None]
         level += [pair[0, straight & still[:, side], side] for side in (0, 1)]
-    path = np.concatenate([np.zeros((2, 3)), *(places - places.mean(axis=0) for places in level if len(places))])
+    path = np.concatenate([np.zeros((3, 3)), *(places - places.mean(axis=0) for places in level if len(places))])
     _, spread, ways = np.linalg.svd(path, full_matrices=False)
-    spread = (spread[:2] / (np.sqrt(len(path)) * body.leg)) ** 2
-    up = normalized(lean - (spread / (spread + _FLOOR_NOISE**2) * (ways[:2] @ lean)) @ ways[:2])
-    nearest = np.abs(np.stack([lean, up])).max(axis=1)
-    leans = np.arccos(np.clip(nearest, -1.0, 1.0)).min()
-    agrees = np.arccos(np.clip(up @ lean, -1.0, 1.0))
-    return up if leans > _LEAST_TILT and agrees < _AGREED else None
+    spread = spread / (np.sqrt(len(path)) * body.leg)
+    noise = max(_FLOOR_NOISE, _UNSURE * float(spread[2]))
+    known = spread[:2] ** 2 / (spread[:2] ** 2 + noise**2)
+    up = normalized(lean - (known * (ways[:2] @ lean)) @ ways[:2])
+    lean_tilt, up_tilt = np.arccos(np.clip(np.abs(np.stack([lean, up])).max(axis=1), -1.0, 1.0))
+    apart = np.arccos(np.clip(up @ lean, -1.0, 1.0))
+    stands = min(lean_tilt, up_tilt) > _LEAST_TILT and apart < _AGREED
+    walks = (
+        spread[0] > _WALKS and spread[2] < _OFF_PLANE and up_tilt > _LEAST_FLOOR_TILT and apart < _NEARER * lean_tilt
+    )
+    return up if stands or walks else None
 
 
 def stated_axis_prior(name: str) -> dict[str, float]:

@@ -84,6 +84,26 @@ def test_the_tilt_of_a_camera_is_taken_back_and_told(
     assert np.degrees(np.arccos(trunk[2] / np.linalg.norm(trunk))) < 5.0
 
 
+@pytest.mark.parametrize("degrees", [-11.0, -6.0, 6.0, 9.0])
+@pytest.mark.parametrize("about", ["x", "y"])
+def test_a_slight_tilt_of_the_camera_is_told_by_the_floor_of_a_walk(
+    tmp_path: Path, walk: Capture, about: str, degrees: float
+) -> None:
+    tilt = Rotation.from_euler(about, degrees, degrees=True).as_matrix()
+    read = read_back(turned(walk, FILE_AXES["Y"].T @ tilt), tmp_path)
+    up = turn_to_world(read.up_axis)[2]
+    assert np.degrees(np.arccos(min(up @ (FILE_AXES["Y"].T @ tilt)[:, 2], 1.0))) < 1.0
+    assert any("choose Y if it is a ramp" in guess.reason for guess in read.guesses)
+
+
+@pytest.mark.parametrize("rise", [-0.15, -0.08, 0.08, 0.15])
+def test_a_walk_on_a_ramp_is_seen_by_no_tilted_camera(tmp_path: Path, walk: Capture, rise: float) -> None:
+    translations = walk.poses.local_translations.copy()
+    translations[:, 0, 2] += rise * translations[:, 0, 0]
+    ramp = replace(walk, poses=PoseSequence(walk.poses.local_rotations, translations))
+    assert read_back(turned(ramp, FILE_AXES["Y"].T), tmp_path).up_axis == "Y"
+
+
 def fbx(up: int, sign: int, unit: float) -> str:
     """The body of ``fbx_text``, Y up in centimetres, in a file that says otherwise."""
     said = fbx_text()
