@@ -66,8 +66,8 @@ def find_alignments(marks: Landmarks) -> FloatArray:
 def trunk_lean(marks: Landmarks) -> FloatArray:
     """Rotation (3, 3) from the vertical to the line from hips to neck in the reference pose.
 
-    A reference pose taken from the motion is seldom upright: that of a fighter on guard leans. Raises StudioError if the
-    neck is between the hips.
+    A reference pose taken from the motion is seldom upright: that of a fighter on guard leans. Raises StudioError
+    if the neck is between the hips.
     """
     layout, reference = marks.layout, marks.reference
     line = reference[layout.neck_base] - 0.5 * (reference[layout.hip_point(0)] + reference[layout.hip_point(1)])
