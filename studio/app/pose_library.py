@@ -13,7 +13,7 @@ from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.correction import PoseOffsets
 from studio.core.stage.local_pose import POSE_REGIONS, local_pose, offsets_towards
 from studio.document.correction_edits import correction_at, set_pose
-from studio.engine.correction_range import fitted_range
+from studio.engine.correction_range import with_fitted_fades
 from studio.engine.posed_performer import PosedPerformer, pose_of
 from studio.library.saved_poses import SavedPose, delete_pose, read_poses, rename_pose, write_pose
 from studio.panels.pose_list import PosePanel
@@ -54,20 +54,21 @@ class PoseLibrary:
         document, saved, (performer_id, shown) = self._bench.document, self._saved[row], self._shown()
         time, region, fraction = document.playhead.time, str(self.panel.region.value), self.panel.fraction
         correction = document.project.corrections.get(correction_at(document, performer_id, time) or "")
-        offsets = correction.pose_at(time) if correction else PoseOffsets()
-        weight = correction.weight if correction and correction.weight else 1.0
-        acting = offsets.scaled(weight if correction is None or correction.enabled else 0.0)
+        weight = correction.weight if correction else 1.0
+        acting = correction.pose_at(time).scaled(weight) if correction else PoseOffsets()
         layout, rotations = shown.motion.morphology.layout, shown.motion.rotations[shown.row]
         turns = offsets_towards(layout, rotations, saved.pose, POSE_REGIONS[region], fraction, dict(acting.turns))
-        x, y, z = acting.hips
         rise = fraction * (saved.pose.hips_height - _hips_height(shown)) if region in REGIONS_WITH_HIPS else 0.0
+        x, y, z = acting.hips
         wanted = PoseOffsets(tuple(turns.items()), (x, y, z + rise)).scaled(1.0 / weight)
         keyed = {part: wanted.turn(part) for part in turns}
         hips = wanted.hips if region in REGIONS_WITH_HIPS else None
         motion = self._bench.live.result(performer_id) or shown.motion
-        fitted = fitted_range(timing_of(document.project, shown.performer), motion, wanted, time)
-        text = f"Apply pose '{saved.name}'"
-        set_pose(document, performer_id, time, keyed, hips, text=text, name=saved.name, activation=fitted)
+        text, timing = f"Apply pose '{saved.name}'", timing_of(document.project, shown.performer)
+        with document.group(text):
+            key = set_pose(document, performer_id, time, keyed, hips, text=text, name=saved.name)
+            posed = document.project.corrections[key]
+            document.replace("corrections", key, with_fitted_fades(posed, correction, timing, motion, time), text)
 
     def apply_to(self, row: int, performer_id: str) -> None:
         """Select a performer and apply the pose in ``row`` to it."""

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QHBoxLayout, QWidget
 
 from studio.core.body.canonical import BodyPart
 from studio.core.stage.correction import Correction
-from studio.document.correction_edits import mirror_correction, set_key, set_pose
+from studio.document.correction_edits import mirror_correction, set_key, set_pose_of
 from studio.document.document import Document
 from studio.engine.live_interface import Live
 from studio.panels.editor import Editor, EntityNameField
@@ -161,8 +161,8 @@ class CorrectionEditor(Editor[Correction]):
         self, turns: dict[BodyPart, tuple[float, float, float]], hips: tuple[float, float, float] | None
     ) -> None:
         with self._objections_told():
-            set_pose(
-                self.document, self.entity.performer_id, self.document.playhead.time, turns, hips, self.gesture,
+            set_pose_of(
+                self.document, self.entity_id, self.document.playhead.time, turns, hips, self.gesture,
                 f"Correct {self.entity.name}",
             )  # fmt: skip
 

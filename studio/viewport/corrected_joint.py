@@ -10,9 +10,11 @@ from studio.core.body.canonical import BodyPart
 from studio.core.constraints.base import limb_bones
 from studio.core.kernels import channel_columns as channel
 from studio.core.rotations import from_matrix, to_rotation_vector
+from studio.core.solver.performers.rows import timing_of
 from studio.core.stage.correction import NO_OFFSET, PoseOffsets
 from studio.document.correction_edits import correction_at, set_pose
 from studio.document.document import Document
+from studio.engine.correction_range import with_fitted_fades
 from studio.engine.posed_performer import PosedPerformer
 from studio.viewport.body_points import BodyJoint
 from studio.viewport.camera import FloatArray
@@ -98,6 +100,15 @@ class CorrectedJoint(Movable):
             further = position - self.place
             self._set(head_turns(*posed, posed[1][posed[0].head_joint] + further), None, gesture)
 
+    def finish(self, gesture: int) -> None:
+        """Fit the fades of the correction to its pose."""
+        document, key = self._document, self._id
+        correction = document.project.corrections.get(key or "")
+        if key is not None and correction is not None and correction != self._before:
+            timing = timing_of(document.project, self._pose.performer)
+            fitted = with_fitted_fades(correction, self._before, timing, self._pose.over_time, self._time)
+            document.replace("corrections", key, fitted, f"Correct {self.words}", gesture)
+
     def restore(self, gesture: int) -> None:
         """Restore the correction; one that was new is removed."""
         document = self._document
@@ -131,7 +142,7 @@ class CorrectedJoint(Movable):
         """
         if self._before is None:
             return PoseOffsets(), 1.0
-        return self._before.pose_at(self._time), self._before.weight or 1.0
+        return self._before.pose_at(self._time), self._before.weight
 
     def _along_body(self, displacement: FloatArray) -> FloatArray:
         """Displacement (3,) in leg lengths along the body's heading, from one in motion space in metres."""

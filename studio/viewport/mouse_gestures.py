@@ -82,6 +82,7 @@ class EditDrag:
 
     def finish(self) -> None:
         """Keep the edit."""
+        self._movable.finish(self._number)
         self._live.interactive = False
 
     def cancel(self) -> None:
@@ -197,6 +198,7 @@ def nudge(document: Document, movable: Movable, gizmo: AnyGizmo, axis: str, sign
     elif not (gizmo.flat and axis == "z"):
         stage = movable.placement.to_stage(movable.place) + sign * steps.metres * gizmo.axes[place]
         movable.move(movable.placement.to_motion(stage), number)
+    movable.finish(number)
 
 
 def _stepped(value: float, step: float) -> float:

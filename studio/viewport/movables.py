@@ -75,6 +75,9 @@ class Movable:
     def scale(self, factors: FloatArray, gesture: int) -> None:
         """Resize the object by ``factors`` (3,) along its own axes, from its state at creation."""
 
+    def finish(self, gesture: int) -> None:
+        """Complete the edit at the end of the gesture."""
+
     def restore(self, gesture: int) -> None:
         """Restore the object's state at creation."""
         raise NotImplementedError

@@ -7,10 +7,10 @@ import pytest
 
 from studio import api
 from studio.core.solver.performers.rows import timing_of
-from studio.core.stage.correction import PoseOffsets, new_correction, new_correction_range
+from studio.core.stage.correction import PoseOffsets, new_correction
 from studio.core.stage.holding import REACH_SPEED
 from studio.core.stage.local_pose import POSE_REGIONS, local_pose, offsets_towards
-from studio.engine.correction_range import fitted_range
+from studio.engine.correction_range import with_fitted_fades
 from studio.engine.posed_performer import row_at
 
 GROWTH = 1.2
@@ -42,13 +42,19 @@ def test_no_limb_becomes_much_faster_where_a_saved_pose_is_applied(applied_at, s
     def peaks(adapted):
         return np.linalg.norm(np.diff(adapted.positions[:, ends], axis=0), axis=2).max(axis=0) * adapted.frame_rate
 
-    def posed_peaks(activation):
-        made = replace(new_correction("Guard", walker, time, offsets), activation=activation)
-        key = scene.document.add("corrections", made, "Apply pose")
+    def posed_peaks(correction):
+        key = scene.document.add("corrections", correction, "Apply pose")
         found = peaks(scene.adapt(walker)[walker].performance.adapted)
         scene.document.remove("corrections", key, "Delete correction")
         return found
 
     allowed = GROWTH * np.maximum(peaks(plain), REACH_SPEED)
-    assert (posed_peaks(new_correction_range(time)) > allowed).any()
-    assert (posed_peaks(fitted_range(timing, plain, offsets, time)) <= allowed).all()
+    made = new_correction("Guard", walker, time, offsets)
+    assert (posed_peaks(made) > allowed).any()
+    fitted = with_fitted_fades(made, None, timing, plain, time)
+    assert (posed_peaks(fitted) <= allowed).all()
+    key = scene.document.add("corrections", made, "Apply pose")
+    posed = scene.adapt(walker)[walker].performance.adapted
+    scene.document.remove("corrections", key, "Delete correction")
+    again = with_fitted_fades(fitted, made, timing, posed, time)
+    assert again.activation.times == pytest.approx(fitted.activation.times, abs=0.11)

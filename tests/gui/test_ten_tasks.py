@@ -347,7 +347,7 @@ def test_7_an_elbow_of_a_walk_is_corrected_for_half_a_second(user):
     user.press(Qt.Key.Key_F)
     user.press(Qt.Key.Key_E)
     settle(user.viewport)
-    turn_by_ring(user.viewport, 40)
+    turn_by_ring(user.viewport, 25)
     user.drags += 1
     assert user.done == (2, 1, 3)
     posed = user.solved()[performer]

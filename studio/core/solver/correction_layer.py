@@ -170,16 +170,31 @@ def _posed(
     layout, times = standing.morphology.layout, standing.motion.times[window]
     heading = standing.motion.channels[window, channel.YAW]
     for each in corrections:
-        fractions = each.fractions(times)[:, None]
-        vectors = {
-            part: fractions * to_rotation_vector(from_matrix(each.keys.turns_at(part, times)))
-            for part in each.keys.parts
-        }
-        shift = None
-        if each.keys.moves_hips:
-            shift = standing.morphology.leg_length * fractions * along_heading(each.keys.hips_at(times), heading)
-        posed = with_segments_turned(layout, posed, segment_turns(layout, vectors), shift)
+        posed = with_offsets(each, times, layout, standing.morphology.leg_length, heading, posed)
     return posed
+
+
+def with_offsets(
+    correction: Correction,
+    times: FloatArray,
+    layout: BodyLayout,
+    leg_length: FloatArray | float,
+    heading: FloatArray,
+    posed: PosedFrames,
+    sign: float = 1.0,
+) -> PosedFrames:
+    """Frames with the offsets of a correction at ``times`` (N,) seconds of the stage; with those removed if ``sign`` is
+    -1. ``leg_length`` is in metres, ``heading`` (N,) in radians.
+    """
+    fractions = sign * correction.fractions(times)[:, None]
+    vectors = {
+        part: fractions * to_rotation_vector(from_matrix(correction.keys.turns_at(part, times)))
+        for part in correction.keys.parts
+    }
+    shift = None
+    if correction.keys.moves_hips:
+        shift = leg_length * fractions * along_heading(correction.keys.hips_at(times), heading)
+    return with_segments_turned(layout, posed, segment_turns(layout, vectors), shift)
 
 
 def along_heading(vectors: FloatArray, heading: FloatArray) -> FloatArray:

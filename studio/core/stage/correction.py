@@ -151,6 +151,10 @@ class Correction:
         """Weights (N,) at ``times`` (N,) seconds: activation times ``weight``; 0 if the correction is disabled."""
         return self.activation.at(times) * (self.weight * self.enabled)
 
+    def acts_at(self, time: float) -> bool:
+        """True if ``time`` is in the range of a correction that is enabled and has weight."""
+        return self.enabled and self.weight > 0.0 and self.activation.start <= time <= self.activation.end
+
     def pose_at(self, time: float) -> PoseOffsets:
         """Offsets that, as a key at full activation, leave the pose at ``time`` unchanged."""
         return self.keys.value_at(time).scaled(float(self.activation.at(time)))
