@@ -1,6 +1,5 @@
 """Scene that a script edits: a project in a document, so that every change can be undone."""
 
-import weakref
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -8,8 +7,6 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
-
-from PySide6.QtGui import QUndoStack
 
 from studio.api.results import Adapted
 from studio.core.body.canonical import BodyPart
@@ -47,7 +44,7 @@ class Scene:
 
     def __init__(self, document: EditedProject | None = None) -> None:
         """Edit ``document``, for example that of an open window, or a new one."""
-        self.document = document or _own_document(Project())
+        self.document = document or EditedProject(Project())
 
     @property
     def project(self) -> Project:
@@ -264,22 +261,7 @@ def new_scene() -> Scene:
 def open_scene(source: Path | str) -> Scene:
     """Scene in a ``.studio`` file, or a bundled scene by name, such as ``fight-training``."""
     load_registered()
-    return Scene(_own_document(open_project(Path(source))))
-
-
-def _own_document(project: Project) -> EditedProject:
-    """Document without a window, whose undo stack is emptied before it is collected.
-
-    Qt crashes if Python collects undo commands before their stack.
-    """
-    document = EditedProject(project)
-    weakref.finalize(document, _empty, document.undo_stack)
-    return document
-
-
-def _empty(stack: QUndoStack) -> None:
-    stack.blockSignals(True)
-    stack.clear()
+    return Scene(EditedProject(open_project(Path(source))))
 
 
 def _library(folder: Path | str | None) -> Library:

@@ -107,5 +107,3 @@ class Workbench(QObject):
         self.runner.close()
         self.live.close()
         self.document.close()
-        # A stack that dies tells of its last steps, when those who listen may be gone already.
-        self.document.undo_stack.blockSignals(True)

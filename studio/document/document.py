@@ -202,7 +202,7 @@ class Document(EditedProject):
         """Stop playback, end the journal and release the lock. Unsaved edits stay in their journal."""
         self._end_session()
         self.undo_stack.blockSignals(True)
-        self.undo_stack.clear()  # Qt crashes where Python collects commands before the stack that holds them
+        self.undo_stack.clear()
         self._folder = None  # what a late answer still opens is neither kept for recovery nor locked
 
     def _end_session(self) -> None:

@@ -1,5 +1,6 @@
 """Edited project: an immutable project replaced by undo commands, with its selection and playhead."""
 
+import weakref
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from itertools import groupby
@@ -7,6 +8,7 @@ from operator import itemgetter
 
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QUndoStack
+from shiboken6 import isValid
 
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowTracked
@@ -54,6 +56,9 @@ class EditedProject(QObject):
         self._shown_already = False
         self._mirrored: tuple[Project, str, Clip, Project] | None = None
         self.undo_stack = QUndoStack(self)
+        # A stack that is destroyed tells of its last steps, when those who listen may be gone; and Qt crashes where
+        # Python collects commands before the stack that holds them.
+        weakref.finalize(self, _empty, self.undo_stack)
         self.selection = Selection(self)
         self._active_before: str | None = None
         self._active: tuple[Project, tuple[Item, ...], str | None, str | None] | None = None
@@ -395,3 +400,9 @@ def _objection(project: Project, constraint_id: str) -> str | None:
     if constraint is None:
         return None
     return objection(constraint, [each for key, each in project.constraints.items() if key != constraint_id])
+
+
+def _empty(stack: QUndoStack) -> None:
+    if isValid(stack):
+        stack.blockSignals(True)
+        stack.clear()

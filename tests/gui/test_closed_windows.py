@@ -1,6 +1,9 @@
 """Closed windows are gone with all that they hold."""
 
 import gc
+import os
+import subprocess
+import sys
 import weakref
 from collections import Counter
 from dataclasses import replace
@@ -52,6 +55,38 @@ def test_closed_windows_leave_nothing_of_themselves(qtbot, tmp_path):
     for _ in range(2):
         use_a_window(qtbot, tmp_path)
     assert objects_of_qt() - before == Counter()
+
+
+LEFT_OPEN = """
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+from studio.app.application import make_application, make_window, show_views
+from studio.app.settings import Settings
+from studio.document.document import Document
+from tests.builders import make_project
+
+application = make_application()
+window = make_window(Settings(Path(sys.argv[1]) / "studio.ini"), Document(make_project()))
+show_views(window)
+window.show()
+document = window.bench.document
+key, performer = next(iter(document.project.performers.items()))
+document.replace("performers", key, replace(performer, name="Somebody"), "Rename")
+"""
+
+
+def test_a_window_that_is_left_open_says_nothing_at_the_end_of_its_process(tmp_path):
+    ended = subprocess.run(
+        [sys.executable, "-c", LEFT_OPEN, str(tmp_path)],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"QT_QPA_PLATFORM": "offscreen"},
+        check=False,
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert "Error" not in ended.stderr
 
 
 def test_the_skins_of_a_project_are_let_go_when_another_is_opened(window, qtbot):
