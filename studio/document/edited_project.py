@@ -22,13 +22,13 @@ from studio.document.commands.removal import removal_edits
 from studio.document.commands.replace import (
     Edit,
     ReplaceValue,
+    SelectionState,
     merged_edits,
     reverted_edits,
     same_value,
     with_edits_applied,
 )
 from studio.document.key_selection import KeySelection
-from studio.document.keyed_fields import KeyRef
 from studio.document.mirrored import mirrored_edit, mirrored_entity, mirrored_project
 from studio.document.playhead import INITIAL_PLAYHEAD, Playhead
 from studio.document.selection import Item, Selection
@@ -183,7 +183,7 @@ class EditedProject(QObject):
         if self._group is not None:
             yield
             return
-        self._group, before, keys = [], self._project, self.keys.items
+        self._group, before, selected = [], self._project, self._selected
         try:
             yield
             self._refuse(before, self._project, self._group)
@@ -195,7 +195,7 @@ class EditedProject(QObject):
         edits = merged_edits((), edits)
         if edits:
             self._shown_already = True
-            self.undo_stack.push(ReplaceValue(self._step, edits, text, gesture, keys))
+            self.undo_stack.push(ReplaceValue(self._step, edits, text, gesture, selected))
 
     def new_gesture(self) -> int:
         """New number for the edits of one drag, which become one undo step."""
@@ -337,23 +337,34 @@ class EditedProject(QObject):
             self._show(edits)
             self._group += edits
         else:
-            self.undo_stack.push(ReplaceValue(self._step, edits, text, gesture, self.keys.items))
+            self.undo_stack.push(ReplaceValue(self._step, edits, text, gesture, self._selected))
+
+    @property
+    def _selected(self) -> SelectionState:
+        return SelectionState(self.selection.items, self.keys.items)
 
     def _step(
-        self, edits: tuple[Edit, ...], verb: str, text: str, gesture: int | None, keys: frozenset[KeyRef]
-    ) -> frozenset[KeyRef]:
+        self, edits: tuple[Edit, ...], verb: str, text: str, gesture: int | None, state: SelectionState
+    ) -> SelectionState:
         """Apply and record the edits of a command; in a group they are applied already.
 
-        Undo and redo select ``keys``. Returns the keys that were selected before.
+        Undo and redo restore the selection ``state`` if they bring back entities of it or remove selected ones, and its
+        keys. Returns the selection before.
         """
-        before, selected = self._project, self.keys.items
+        before, selected = self._project, self._selected
         if not self._shown_already:
             self._show(edits)
         self._shown_already = False
         if verb != "edit":
-            self.keys.restore(keys, before)
+            self._restore_selection(state, selected.items, before)
         self._recorded(edits, verb, text, gesture)
         return selected
+
+    def _restore_selection(self, state: SelectionState, selected: tuple[Item, ...], before: Project) -> None:
+        found = [item for item in state.items if self._project.get(*item) is not None and self._may_be_seen(item)]
+        if self.selection.items != selected or any(before.get(*item) is None for item in found):
+            self.selection.set(*found)
+        self.keys.restore(state.keys, before)
 
     def _show(self, edits: tuple[Edit, ...]) -> None:
         before, playhead = stage_span(self._project), self.playhead

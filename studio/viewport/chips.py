@@ -10,6 +10,10 @@ from studio.document.mnemonics import escaped_mnemonics
 
 CHIP_MARGIN = 8
 """Pixels between a chip and the edge of the view."""
+EDGE_MARGIN, CHIP_SPACING = 12, 8
+"""Pixels between the rows of chips and the edges of the view, and between chips of a row."""
+PART_SEPARATOR = " · "
+"""Text between the parts of the statistics."""
 PROBLEM_MARGIN_PX = 60
 """Pixels of the view's width that the text of the problem chip must leave free."""
 _SHAPE = "border-radius: 11px; padding: 3px 10px; font-size: 12px; border: 1px solid transparent;"
@@ -98,16 +102,18 @@ class Chips:
             *(self.ghost, self.onion, self.trails, self.follow, self.markers),
         )
         self._view = parent
-        self._wide, self._recorded, self._space_used = True, False, True
+        self._recorded, self._space_used = False, True
+        self._work_parts: tuple[str, ...] = ()
+        self._work_room = 0
         self._arrange(parent)
         for hidden in (self.problem, self.constrain, self.work, self.markers):
             hidden.hide()
 
     def _arrange(self, parent: QWidget) -> None:
         grid = QGridLayout(parent)
-        grid.setContentsMargins(12, 12, 12, 12)
+        grid.setContentsMargins(EDGE_MARGIN, EDGE_MARGIN, EDGE_MARGIN, EDGE_MARGIN)
         top, bottom = QHBoxLayout(), QHBoxLayout()
-        top.setSpacing(8)
+        top.setSpacing(CHIP_SPACING)
         for chip in self._top:
             top.addWidget(chip)
         top.addStretch(1)
@@ -118,21 +124,41 @@ class Chips:
         grid.setRowStretch(1, 1)
         grid.addLayout(bottom, 2, 0)
 
+    def connect_toggles(self, toggled: Callable[[], object]) -> None:
+        """Call ``toggled`` whenever an option is switched on or off."""
+        for chip in self._top:
+            if isinstance(chip, ToggleChip):
+                chip.toggled.connect(lambda _: toggled())
+
     def fit(self, width: int) -> None:
-        """Hide the chips that do not fit in ``width`` pixels, the least important first."""
-        self.space.setVisible(self._space_used and width >= 340)
-        more = 100 if self._recorded else 0  # markers come before what can be switched by keys as well
-        for chip, needed in (
-            (self.correct, 450),
-            (self.ghost, 550),
-            (self.markers, 640),
-            (self.trails, 640 + more),
-            (self.follow, 730 + more),
-            (self.onion, 860 + more),
+        """Hide the chips that do not fit in ``width`` pixels, the least important first; the statistics take what is
+        left, and drop parts that do not fit.
+        """
+        room = width - 2 * EDGE_MARGIN - sum(_needed(chip) for chip in (self.view, self.shading))
+        for chip, used in (
+            (self.space, self._space_used),
+            (self.correct, True),
+            (self.ghost, True),
+            (self.markers, self._recorded),  # before what can be switched by keys as well
+            (self.trails, True),
+            (self.follow, True),
+            (self.onion, True),
         ):
-            chip.setVisible(width >= needed and (chip is not self.markers or self._recorded))
-        self._wide = width >= 1040
-        self.work.setVisible(self._wide and bool(self.work.text()))
+            fits = used and room >= _needed(chip)
+            chip.setVisible(fits)
+            room -= (_needed(chip) if fits else room) if used else 0
+        self._work_room = room
+        self._show_work()
+
+    def _show_work(self) -> None:
+        self.work.ensurePolished()
+        padding = self.work.sizeHint().width() - self.work.fontMetrics().horizontalAdvance(self.work.text())
+        texts = [PART_SEPARATOR.join(self._work_parts[:count]) for count in range(1, len(self._work_parts) + 1)]
+        fitting = [
+            text for text in texts if self.work.fontMetrics().horizontalAdvance(text) + padding <= self._work_room
+        ]
+        self.work.setText(fitting[-1] if fitting else "")
+        self.work.setVisible(bool(fitting))
 
     def make_room(self, gizmo: QRect) -> None:
         """Hide the chips over the gizmo's rectangle, so that the gizmo is visible and can be dragged."""
@@ -164,12 +190,12 @@ class Chips:
 
     def show_work(self, bodies: int, pace: str, eased: bool) -> None:
         """Show the number of visible characters and, during motion, the frame rate and if the image is anti-aliased."""
-        text = f"{bodies} character{'' if bodies == 1 else 's'}"
-        if pace:
-            text += f" · {pace}" + ("" if eased else " · anti-aliased when idle")
-        if text != self.work.text():
-            self.work.setText(text)
-        self.work.setVisible(bodies > 0 and self._wide)
+        count = f"{bodies} character{'' if bodies == 1 else 's'}"
+        moving = (*pace.split(PART_SEPARATOR), *(() if eased else ("anti-aliased when idle",))) if pace else ()
+        parts = (count, *moving) if bodies else ()
+        if parts != self._work_parts:
+            self._work_parts = parts
+            self._show_work()
 
     def show_problem(self, sentence: str | None) -> None:
         """Show a sentence about the worst problem, elided if it does not fit; None hides the chip."""
@@ -180,3 +206,9 @@ class Chips:
         self.problem.setToolTip(words)
         self.problem.setAccessibleDescription(words)
         self.problem.setVisible(sentence is not None)
+
+
+def _needed(chip: Chip) -> int:
+    """Pixels that a chip and the gap behind it take in their row."""
+    chip.ensurePolished()
+    return chip.sizeHint().width() + CHIP_SPACING

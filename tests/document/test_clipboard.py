@@ -71,6 +71,18 @@ def test_a_constraint_pasted_where_it_was_begins_at_the_playhead(document):
     assert set(document.project.constraints) == before
 
 
+def test_undo_of_a_paste_selects_what_was_selected_before_and_redo_what_was_pasted(document):
+    text, before = selection_as_json(document), document.selection.items
+    document.playhead.set_time(0.5)
+    paste_json(document, text)
+    pasted = document.selection.items
+    assert pasted != before
+    document.undo_stack.undo()
+    assert document.selection.items == before
+    document.undo_stack.redo()
+    assert document.selection.items == pasted
+
+
 def test_a_constraint_pasted_on_another_body_is_of_it_alone_and_keeps_its_times(document):
     text, before = selection_as_json(document), set(document.project.constraints)
     document.selection.set(("performers", "performer 1"))

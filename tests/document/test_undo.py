@@ -403,3 +403,17 @@ def test_who_hears_that_another_project_is_there_finds_nothing_of_the_old_one_se
     document.undo_stack.indexChanged.connect(lambda _: heard.append(document.active_motion_id))
     document.new(make_project(constraints=0))
     assert heard == ["motion"]
+
+
+def test_undo_of_a_deletion_selects_what_comes_back_and_leaves_other_selections(qapp):
+    document = Document(PROJECT)
+    first, second = (("constraints", key) for key in list(PROJECT.constraints)[:2])
+    document.selection.set(first)
+    document.remove("constraints", first[1], "Delete")
+    document.replace("constraints", second[1], replace(PROJECT.constraints[second[1]], name="Other"), "Rename")
+    document.selection.set(second)
+    document.undo_stack.undo()
+    assert document.selection.items == (second,)
+    document.undo_stack.undo()
+    assert document.selection.items == (first,)
+    document.close()

@@ -73,6 +73,25 @@ def test_a_narrow_view_leaves_out_chips_instead_of_cutting_them(studio):
         assert viewport.rect().contains(button.geometry())
 
 
+@pytest.mark.parametrize("width", [300, 500, 700, 900, 1100, 1300, 1700])
+def test_statistics_drop_the_parts_that_do_not_fit(studio, width):
+    viewport, _, _ = studio
+    viewport.resize(width, 300)
+    settle(viewport)
+    chips = viewport._chips
+    chips.show_work(4, "12 fps · latency 1085 ms", False)
+    viewport.layout().activate()
+    shown = [one for one in viewport.findChildren(QPushButton) if one.isVisible()]
+    shown += [chips.work] if chips.work.isVisible() else []
+    for each in shown:
+        assert each.width() >= each.sizeHint().width()
+        assert viewport.rect().contains(each.geometry())
+    parts = ("4 characters", "12 fps", "latency 1085 ms", "anti-aliased when idle")
+    assert chips.work.text() in [" · ".join(parts[:count]) for count in range(len(parts) + 1)]
+    assert chips.work.isVisible() == bool(chips.work.text())
+    assert chips.work.text() or width < 1300
+
+
 def test_another_project_takes_the_place_of_this_one(studio):
     viewport, document, _ = studio
     document.new(make_project(characters=1))

@@ -66,24 +66,32 @@ def same_value(first: Any, second: Any) -> bool:
     return bool(first == second)
 
 
+@dataclass(frozen=True)
+class SelectionState:
+    """Selected entities, by collection and id, and keys at one moment."""
+
+    items: tuple[tuple[str, str], ...] = ()
+    keys: frozenset[KeyRef] = frozenset()
+
+
 class ReplaceValue(QUndoCommand):
     """Undo step of several edits. Steps of one gesture merge, and a step without a net change is dropped."""
 
     def __init__(
         self,
-        show: Callable[[tuple[Edit, ...], str, str, int | None, frozenset[KeyRef]], frozenset[KeyRef]],
+        show: Callable[[tuple[Edit, ...], str, str, int | None, SelectionState], SelectionState],
         edits: tuple[Edit, ...],
         text: str,
         gesture: int | None,
-        keys: frozenset[KeyRef] = frozenset(),
+        selected: SelectionState = SelectionState(),
     ) -> None:
-        """``keys`` are those selected before; ``show`` applies edits and returns the keys selected at that moment."""
+        """``selected`` is the selection before; ``show`` applies edits and returns the selection at that moment."""
         super().__init__(text)
         # A strong one closes a cycle through the stack's C++ side, which crashes the garbage collector.
         self._document_step = WeakMethod(show)
         self.edits, self.gesture = edits, gesture
-        self._keys = keys
-        """Keys that were selected in the state on the other side of this step."""
+        self._selected = selected
+        """Selection in the state on the other side of this step."""
         self.vanishes = False
         """The command leaves the stack as it is undone, and cannot be redone."""
         self._verb = "edit"
@@ -91,17 +99,17 @@ class ReplaceValue(QUndoCommand):
     def redo(self) -> None:
         """Set the new values."""
         before = self._show(self.edits, self._verb)
-        self._keys = self._keys if self._verb == "edit" else before
+        self._selected = self._selected if self._verb == "edit" else before
         self._verb = "redo"
 
     def undo(self) -> None:
         """Restore the old values."""
-        self._keys = self._show(reverted_edits(self.edits), "undo")
+        self._selected = self._show(reverted_edits(self.edits), "undo")
         self.setObsolete(self.vanishes)
 
-    def _show(self, edits: tuple[Edit, ...], verb: str) -> frozenset[KeyRef]:
+    def _show(self, edits: tuple[Edit, ...], verb: str) -> SelectionState:
         step = self._document_step()
-        return self._keys if step is None else step(edits, verb, self.text(), self.gesture, self._keys)
+        return self._selected if step is None else step(edits, verb, self.text(), self.gesture, self._selected)
 
     def id(self) -> int:
         """Id by which Qt merges commands: the same for all commands of gestures, -1 for others."""
