@@ -128,6 +128,7 @@ class MainWindow(QMainWindow):
         LibraryDrops(viewport, ("captures", *BODY_COLLECTIONS, *SCENE_COLLECTIONS)).dropped.connect(
             self.library.open_item
         )
+        viewport.options_changed.connect(self.actions_by_id.refresh)
         viewport.covered_below = self._covered_below
         self.bench.set_viewport(viewport)
         self._apply_preferences()

@@ -11,7 +11,7 @@ from studio.core.constraints.base import limb_bones
 from studio.core.kernels import channel_columns as channel
 from studio.core.rotations import from_matrix, to_rotation_vector
 from studio.core.solver.performers.rows import timing_of
-from studio.core.stage.correction import NO_OFFSET, PoseOffsets
+from studio.core.stage.correction import NO_OFFSET, Correction, PoseOffsets
 from studio.document.correction_edits import correction_at, set_pose
 from studio.document.document import Document
 from studio.engine.correction_range import with_fitted_fades
@@ -37,6 +37,7 @@ class CorrectedJoint(Movable):
         self._id = correction_at(document, performer_id, self._time)
         self._before = document.project.corrections.get(self._id or "")
         self._selected = document.selection.items
+        self._keyed: Correction | None = None
         limb = limb_bones(self._part)
         self._upper = limb[0] if limb and self._part not in limb else None
         self._is_hips = joint.point.part is BodyPart.PELVIS
@@ -102,11 +103,10 @@ class CorrectedJoint(Movable):
 
     def finish(self, gesture: int) -> None:
         """Fit the fades of the correction to its pose."""
-        document, key = self._document, self._id
-        correction = document.project.corrections.get(key or "")
-        if key is not None and correction is not None and correction != self._before:
+        document, key, keyed = self._document, self._id or "", self._keyed
+        if keyed is not None and document.project.corrections.get(key) is keyed:  # else another project was opened
             timing = timing_of(document.project, self._pose.performer)
-            fitted = with_fitted_fades(correction, self._before, timing, self._pose.over_time, self._time)
+            fitted = with_fitted_fades(keyed, self._before, timing, self._pose.over_time, self._time)
             document.replace("corrections", key, fitted, f"Correct {self.words}", gesture)
 
     def restore(self, gesture: int) -> None:
@@ -134,6 +134,7 @@ class CorrectedJoint(Movable):
             hips = _vector((weight * np.array(before.hips) + self._along_body(displacement)) / weight)
         text = f"Correct {self.words}"
         self._id = set_pose(self._document, self._performer_id, self._time, keyed, hips, gesture, text)
+        self._keyed = self._document.project.corrections[self._id]
 
     @property
     def _offsets(self) -> tuple[PoseOffsets, float]:

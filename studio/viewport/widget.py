@@ -66,6 +66,8 @@ class Viewport(Canvas):
     """3D view and editor of a document's stage; its methods are called by menus and shortcuts."""
 
     picked_changed = Signal()
+    options_changed = Signal()
+    """Emitted when a chip is switched on or off."""
 
     def __init__(self, document: Document, live: Live, parent: QWidget | None = None) -> None:
         super().__init__(parent)
@@ -124,6 +126,7 @@ class Viewport(Canvas):
                 "constrain": self.add_constraint_at_pick,
             },
         )
+        self._chips.connect_toggles(self.options_changed.emit)
         self._links = self._connect()
         self._tell_problem()
         self.setAccessibleName("3D viewport")
@@ -618,6 +621,7 @@ class Viewport(Canvas):
         self._tell_problem()
         self.finish_gesture()  # there is nothing left to take back
         self.pick(None)
+        self.set_correcting(False)
 
     def _selection_changed(self) -> None:
         picked = self.joint_picked

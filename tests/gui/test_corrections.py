@@ -17,7 +17,7 @@ from studio.panels.correction_editor import CorrectionEditor
 from studio.panels.fields import NumberField
 from studio.timeline.shown import ItemPart
 from studio.timeline.tracks.correction import handle_points
-from tests.gui.viewport_use import LEFT, NONE, drag, joint_pixel, on_arrow, settle
+from tests.gui.viewport_use import LEFT, NONE, chip, drag, joint_pixel, on_arrow, settle
 from tests.patience import PATIENCE, SECONDS
 
 WALK = api.example_captures_folder() / "walk_turn.bvh"
@@ -284,3 +284,14 @@ def test_s_sets_a_key_of_the_selected_correction_and_its_range_grows_to_it(posin
     made = the_correction(posing)
     assert len(made.keys.times) == 2
     assert made.activation.end > TIME + 0.5
+
+
+def test_pose_correction_ends_with_its_project_and_its_menu_follows_the_chip(posing):
+    viewport, action = posing.bench.viewport, posing.actions_by_id.by_id["correct_pose"]
+    assert action.isChecked()
+    posing.bench.document.new(posing.bench.document.project)
+    assert not viewport.correcting
+    assert not action.isChecked()
+    QTest.mouseClick(chip(viewport, "pose_joints_with_the_gizmo_on_a_correction_layer"), LEFT)
+    assert viewport.correcting
+    assert action.isChecked()
