@@ -254,7 +254,7 @@ def _slider(window: MainWindow) -> tuple[QWidget, QPointF, QPointF]:
 def _curve(window: MainWindow) -> tuple[QWidget, QPointF, QPointF]:
     _select(window, ("constraints", DRAGGED))
     timeline = window.bench.timeline
-    return timeline.tracks, QPointF(timeline.handle_point(DRAGGED, "ease-in end")), QPointF(60.0, 0.0)
+    return timeline.tracks, QPointF(timeline.handle_point(DRAGGED, "fade-in end")), QPointF(60.0, 0.0)
 
 
 def _ground(window: MainWindow) -> tuple[QWidget, QPointF, QPointF]:

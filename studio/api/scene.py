@@ -186,7 +186,7 @@ class Scene:
             if key in staged.failures:
                 raise StudioError(f"{project.performers[key].name} could not be adapted: {staged.failures[key]}")
             if key not in staged.performances:
-                raise StudioError(f"'{key}' is no visible performer that plays something.")
+                raise StudioError(f"'{key}' is not a visible performer with a clip.")
         chosen = performer_ids or tuple(staged.performances)
         return {key: Adapted(project, key, staged.performances[key]) for key in chosen}
 

@@ -293,7 +293,7 @@ def report_repairs(bench: Workbench, capture_id: str) -> None:
         ask = ("Markers…", lambda: bench.window.inspector.markers_requested.emit(capture_id))
         held = next(guess.reason for guess in capture.guesses if guess.subject == "marker map").partition(".")[0]
         bench.post_message(
-            f"No skeleton was found in {capture.source}. {held}: label its markers.", ask, until=Lifetime.EDITED
+            f"No skeleton was found in {capture.source}. {held}: assign its markers.", ask, until=Lifetime.EDITED
         )
         return
     if not capture.repairs:

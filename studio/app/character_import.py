@@ -38,7 +38,7 @@ def import_character(bench: Workbench, path: Path) -> int:
                 return load_character(path, GUESS_ALL, progress)
             except StudioError as error:
                 moves = path.suffix.lower() in known_formats().suffixes("capture_reader")
-                alone = " To import a motion, use File > Import motion." if moves else ""
+                alone = " To import its animation, use File > Import capture." if moves else ""
                 raise StudioError(f"{error}{alone}") from error
 
     task: int = bench.runner.run(f"Opening {path.name}", work, lambda read: show_import(bench, path, read))
@@ -163,7 +163,7 @@ def _tell(bench: Workbench, path: Path, read: ReadCharacter) -> None:
     sentences += [f"Warning: {remark.sentence}" for remark in body_remarks(read.character.build)]
     if read.moves:
         sentences.append("The file also contains animation." if sentences else f"{path.name} also contains animation.")
-        actions.insert(0, ("Import its motion", lambda: import_motion(bench, path)))
+        actions.insert(0, ("Import animation", lambda: import_motion(bench, path)))
     if sentences:
         bench.post_message(" ".join(sentences), *actions)
     else:

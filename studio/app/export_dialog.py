@@ -28,7 +28,7 @@ class ExportContent(Enum):
 
     ADAPTED = "Adapted motion"
     STAGE = "Whole stage"
-    MOTION = "Source motion"
+    MOTION = "Source capture"
     FILM = "Video of the 3D view"
 
 

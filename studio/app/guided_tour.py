@@ -69,8 +69,7 @@ TOUR_STEPS = (
     Step("Press C to constrain the joint. A bar for the constraint appears in the timeline.", _has_constrained),
     Step("Drag the blue arrow of the target up until one of the characters can no longer reach it.", _has_moved_target),
     Step(
-        "Read the strips below the bar: green is held, amber partly held, red not reached. "
-        "Press Ctrl+Z to undo the drag.",
+        "Read the strips below the bar: green is met, amber partly met, red not met. Press Ctrl+Z to undo the drag.",
         _has_undone,
     ),
 )

@@ -56,4 +56,4 @@ class LabelController:
             if self._number == number:
                 self.form.tell_confirmed()
 
-        self._striking.bench.runner.run("Saving the label", work, done)
+        self._striking.bench.runner.run("Saving the classification", work, done)

@@ -159,7 +159,7 @@ class MainWindow(QMainWindow):
 
     def search_library(self) -> None:
         """Show the library with the focus in its search field."""
-        self.show_dock("Library")
+        self.show_dock("Outliner")
         self.library.search_field.setFocus()
         self.library.search_field.selectAll()
 
@@ -295,7 +295,7 @@ class MainWindow(QMainWindow):
         self.problems.problem_chosen.connect(self.problem_tour.show)
         self.docks: dict[str, QDockWidget] = {}
         for name, widget, area in (
-            ("Library", self.library, Area.LeftDockWidgetArea),
+            ("Outliner", self.library, Area.LeftDockWidgetArea),
             ("History", self.history, Area.LeftDockWidgetArea),
             ("Strikes", self.striking.pages, Area.RightDockWidgetArea),
             ("Live", self.live_control.panel, Area.RightDockWidgetArea),
@@ -333,13 +333,13 @@ class MainWindow(QMainWindow):
     def _size_docks(self) -> None:
         docks = self.docks
         self.resizeDocks(
-            [docks["Library"], docks["Inspector"]], [LIBRARY_WIDTH, INSPECTOR_WIDTH], Qt.Orientation.Horizontal
+            [docks["Outliner"], docks["Inspector"]], [LIBRARY_WIDTH, INSPECTOR_WIDTH], Qt.Orientation.Horizontal
         )
         height = round(self.height() * TIMELINE_FRACTION)
         self.resizeDocks([docks["Timeline"]], [height], Qt.Orientation.Vertical)
         left = self.height() - height
         history = min(HISTORY_HEIGHT_PX, round(left * HISTORY_FRACTION))
-        self.resizeDocks([docks["Library"], docks["History"]], [left - history, history], Qt.Orientation.Vertical)
+        self.resizeDocks([docks["Outliner"], docks["History"]], [left - history, history], Qt.Orientation.Vertical)
 
     def _connect(self) -> None:
         bench, document, runner = self.bench, self.bench.document, self.bench.runner

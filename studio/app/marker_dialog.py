@@ -26,7 +26,7 @@ def open_markers(bench: Workbench, capture_id: str | None = None) -> "MarkerDial
     capture_id = capture_id or _shown_capture(bench)
     capture = bench.document.project.captures.get(capture_id or "")
     if capture_id is None or capture is None or capture.markers is None:
-        raise StudioError("No optical capture is selected. Import a C3D file, or select one in the library.")
+        raise StudioError("No optical capture is selected. Import a C3D file, or select one in the outliner.")
     dialog = MarkerDialog(bench, capture_id, capture)
     dialog.show()
     return dialog

@@ -23,7 +23,7 @@ def offer_recovery(bench: Workbench, folder: Path) -> None:
         sessions = recoverable_sessions(folder)
         remove_useless_sessions(folder)
     except OSError as error:
-        bench.post_message(f"The recovery folder '{folder}' cannot be read: {error.strerror}.")
+        bench.post_message(f"The backup folder '{folder}' cannot be read: {error.strerror}.")
         return
     if sessions:
         bench.window.recovery.offer(session_message(sessions[0]), lambda: _recover(bench, sessions[0]))

@@ -35,7 +35,7 @@ def relink_shown(bench: Workbench) -> None:
     """Relink the source file of the selected capture, else of the capture that is playing."""
     capture_id = shown_capture(bench)
     if capture_id is None:
-        raise StudioError("No capture is selected. Select one in the library.")
+        raise StudioError("No capture is selected. Select one in the outliner.")
     relink(bench, capture_id)
 
 

@@ -58,7 +58,7 @@ def put_strike(bench: Workbench, wish: StrikeRequest, source: ReadMotion | str) 
     project = document.project
     if key not in project.performers or project.get(wish.target.collection, wish.target.id) is None:
         raise StudioError("The character or the target no longer exists. Search again.")
-    text = f"Strike {wish.target.name(project)}"
+    text = f"Insert strike at {wish.target.name(project)}"
     with document.group(text):
         known = _known_capture(project, source.capture) if isinstance(source, ReadMotion) else source
         if known is not None:

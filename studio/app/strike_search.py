@@ -211,7 +211,7 @@ class StrikeSearchController:
             )
         found = search_strikes(self.library, replace(asked, limbs=(), kinds=(), numbers=(clip.number,)), 1)
         if not found:
-            raise StudioError("That clip is no longer in the library. Search again.")
+            raise StudioError("That clip is no longer in the motion library. Search again.")
         return StrikeRequest(found[0], performer_id, time, target, self._frozen(target, time))
 
     def _frozen(self, target: StrikeTarget, time: float) -> FloatArray | None:
@@ -293,7 +293,7 @@ class StrikeSearchController:
                 self.found = found
                 self._show(READY_HINT if found else NO_MATCH_HINT)
 
-        number = self._trial = self.bench.runner.run("Evaluating strikes", work, done)
+        number = self._trial = self.bench.runner.run("Ranking strikes", work, done)
 
     def _end_trial(self) -> None:
         """Cancel the running evaluation, and discard its results."""

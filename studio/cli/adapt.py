@@ -96,7 +96,7 @@ def print_report(report: JsonObject) -> None:
     ]
     if lines:
         print()
-        print_table(("constraint", "character", "residual", "reached", "frames held", "limited by"), lines)
+        print_table(("constraint", "character", "error", "reached", "frames met", "limited by"), lines)
 
 
 def _residual(record: JsonObject) -> str:

@@ -137,6 +137,6 @@ def print_stage(report: JsonObject) -> None:
     ]
     if lines:
         print()
-        print_table(("constraint", "performer", "frames held"), lines)
+        print_table(("constraint", "character", "frames met"), lines)
     for each in report["failed"]:
         print(f"\n{each['name']} failed: {each['error']}")

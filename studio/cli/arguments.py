@@ -129,7 +129,7 @@ def add_live_arguments(parser: ArgumentParser) -> None:
         metavar="KEY@S",
         help="key presses for the behaviours of the stage, and when",
     )
-    parser.add_argument("--json", action="store_true", help="print what became of the stage as JSON")
+    parser.add_argument("--json", action="store_true", help="print the result of the stage as JSON")
     parser.add_argument("--character", default="adult_woman", metavar="NAME|FILE")
     parser.add_argument(
         "--guard", type=Path, metavar="CAPTURE", help="guard clip; must start on guard with feet planted"

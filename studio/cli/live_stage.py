@@ -158,7 +158,7 @@ def print_report(report: JsonObject) -> None:
     ]
     if lines:
         print()
-        print_table(("constraint", "performer", "steps held", "worst"), lines)
+        print_table(("constraint", "character", "steps met", "worst error"), lines)
     for each in performers:
         if each["error"]:
             print(f"\n{each['name']} failed: {each['error']}")

@@ -13,8 +13,8 @@ def print_json(value: object) -> None:
 
 
 QUALITY_TITLES = {
-    "slide_mm": "slide mm",
-    "skate_mm": "skate mm",
+    "slide_mm": "contact slide mm",
+    "skate_mm": "foot slide mm",
     "float_mm": "float mm",
     "penetration_mm": "penetration mm",
     "acceleration_ratio": "acceleration ratio",

@@ -25,10 +25,10 @@ class Range:
         amounts = amounts[np.isfinite(amounts)]
         if amounts.size and amounts.max() > self.most:
             told = f"{amounts.max():.3g} {self.unit}"
-            raise ValueError(f"{what} of {told} cannot be true: it is at most {self.most:g} {self.unit}.")
+            raise ValueError(f"{what} of {told} is out of range: it must be at most {self.most:g} {self.unit}.")
         if amounts.size and amounts.min() < self.least:
             told = f"{amounts.min():.3g} {self.unit}"
-            raise ValueError(f"{what} of {told} cannot be true: it is at least {self.least:g} {self.unit}.")
+            raise ValueError(f"{what} of {told} is out of range: it must be at least {self.least:g} {self.unit}.")
 
 
 BONE_RANGE = Range("A bone", 1e3)

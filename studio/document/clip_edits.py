@@ -141,7 +141,7 @@ def add_clip(document: EditedProject, performer_ids: Iterable[str], motion_id: s
 def _whole(project: Project, motion_id: str, start: float) -> Clip:
     """Clip of a whole motion with a new id."""
     if motion_id not in project.motions:
-        raise StudioError("The motion has been removed from the project: choose another one.")
+        raise StudioError("The capture has been removed from the project. Choose another one.")
     capture = project.captures[project.motions[motion_id].capture_id]
     if capture.body_map is None:
         raise StudioError(

@@ -88,7 +88,7 @@ def move_damaged_session(session: Session, reason: str) -> str:
         if file.exists():
             file.replace(aside / file.name)
     edits = f" of {counted_noun(session.written, 'edit')}" if session.written else ""
-    return f"A journal{edits} from {session.begun:%Y-%m-%d %H:%M} cannot be read ({reason}). It is kept in '{aside}'."
+    return f"A backup{edits} from {session.begun:%Y-%m-%d %H:%M} cannot be read ({reason}). It is kept in '{aside}'."
 
 
 def remove_useless_sessions(folder: Path, now: datetime | None = None) -> None:
@@ -126,7 +126,7 @@ def recovered_session(session: Session) -> Recovered:
             recovered, last = _recovered(connection)
             playhead = _playhead(connection)
     except _DAMAGE as error:
-        raise StudioError(f"The journal '{session.file.name}' cannot be read: {error}") from error
+        raise StudioError(f"The backup '{session.file.name}' cannot be read: {error}") from error
     problems = recovered.problems
     if last < session.written:
         lost = f"{session.written - last} of the {counted_noun(session.written, 'edit')}"
@@ -239,7 +239,7 @@ def _recovered(connection: sqlite3.Connection) -> tuple[Recovered, int]:
     def load(name: str) -> Array:
         row = connection.execute("SELECT content FROM arrays WHERE name = ?", (name,)).fetchone()
         if row is None:
-            raise ValueError(f"'{name}' is missing from the journal.")
+            raise ValueError(f"'{name}' is missing from the backup.")
         return array_of(row[0])
 
     foreign = _foreign(connection)

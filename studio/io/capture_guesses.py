@@ -84,7 +84,7 @@ def body_guesses(skeleton: Skeleton, found: FoundBody, options: ImportOptions) -
         reason = f"Names as in {found.family}; topology, constant bones and symmetry agree."
         confidence = Confidence.SURE
     else:
-        reason = "The names of its joints say nothing; legs reach lowest, arms widest, the head highest."
+        reason = "The names of its joints are unknown; legs reach lowest, arms widest, the head highest."
         confidence = Confidence.LIKELY
         if not has_human_limbs(skeleton, found.body_map):
             reason += " Its limbs are not divided like a person's: look at its elbows, wrists, knees and ankles."

@@ -101,7 +101,7 @@ def choose_unit(
     if leg is None:
         reason = "Without a human body nothing tells the unit; most files are in cm."
         if said is not None:
-            reason = f"The file says {said.metres:g} m, which cannot be true. {reason}"
+            reason = f"The file says {said.metres:g} m, which is not plausible. {reason}"
         return Scale("cm", 0.01), Guess("unit", "cm", reason, Confidence.DOUBTFUL)
     scale, guess = guess_unit(leg, trunk)
     if said is not None:

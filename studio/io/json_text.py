@@ -54,7 +54,7 @@ def json_of(content: bytes, parse_float: Parse | None = None, parse_constant: Pa
 
 def _whole(text: str) -> int:
     if len(text) > MOST_INTEGER_DIGITS:
-        raise ValueError(f"'{text[:20]}…' is not a believable number")
+        raise ValueError(f"'{text[:20]}…' is a number out of range")
     return int(text)
 
 

@@ -33,7 +33,7 @@ def number(text: str, where: str) -> float:
         raise not_a_number(text, where)
     value = float(text)
     if abs(value) > _ABSURD:
-        raise StudioError(f"{where}: {_shown(text)} is too large to be true. Export the file again.")
+        raise StudioError(f"{where}: {_shown(text)} is out of range. Export the file again.")
     return value
 
 

@@ -292,7 +292,7 @@ def _check_size(capture: "Capture", path: Path) -> None:
         BONE_RANGE.check(capture.poses.local_translations[:, 1:])
         TRAVEL_RANGE.check(capture.poses.local_translations[:, 0])
     except ValueError as error:
-        raise StudioError(f"{path.name}: {error} Export it in its right unit, or say which that is.") from error
+        raise StudioError(f"{path.name}: {error} Export it in the right unit, or set its unit.") from error
 
 
 @dataclass(frozen=True)

@@ -60,7 +60,7 @@ def make_folder(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise StudioError(f"The folder '{folder}' cannot be made: {error.strerror}. Choose another.") from error
+        raise StudioError(f"The folder '{folder}' cannot be created: {error.strerror}. Choose another.") from error
 
 
 def ready_capture(path: Path, options: ImportOptions, *, all_frames: bool = False) -> ReadyCapture:
@@ -75,11 +75,10 @@ def ready_from_read(read: ReadCapture, path: Path, *, all_frames: bool = False) 
         reasons = {guess.subject: guess.reason for guess in capture.guesses}
         if capture.markers is not None:
             raise StudioError(
-                f"{path.name} cannot be adapted. {reasons.get('marker map', '')} Say which marker lies where with"
-                " --marker-map."
+                f"{path.name} cannot be adapted. {reasons.get('marker map', '')} Map its markers with --marker-map."
             )
         reason = reasons.get("body map", "")
-        raise StudioError(f"{path.name} cannot be adapted. {reason} Say which joints play them with --body-map.")
+        raise StudioError(f"{path.name} cannot be adapted. {reason} Map its joints with --body-map.")
     capture = capture.with_first_frame(0) if all_frames else capture
     return ready_from_capture(capture, known_of_motion(capture, read.annotations, ADAPTED_MOTION_ID))
 
@@ -97,8 +96,8 @@ def ready_on_steps(ready: ReadyCapture) -> tuple[ReadyCapture, Steps]:
     steps = captured_steps(ready.capture)
     if steps is None:
         raise StudioError(
-            f"'{ready.capture.name}' was recorded on no steps: its feet stand on one level, or at heights that are"
-            " not evenly apart. Leave out --on-steps."
+            f"'{ready.capture.name}' was not recorded on steps: its feet stand on one level, or at heights that are"
+            " not evenly spaced. Leave out --on-steps."
         )
     contacts = detected_contacts(ready.capture, ADAPTED_MOTION_ID, on_steps=True)
     return replace(ready, annotations=replace(ready.annotations, contacts=contacts)), steps

@@ -113,7 +113,7 @@ def character_placements(places: Mapping[str, Placement], characters: Iterable[s
     for name, place in places.items():
         key = name if name in found else Path(name).stem
         if key not in found:
-            raise StudioError(f"No character '{name}' is among those to be placed: {', '.join(found)}.")
+            raise StudioError(f"--place names '{name}', which is not among the characters: {', '.join(found)}.")
         found[key] = place
     return found
 

@@ -20,11 +20,11 @@ SUMMARY_COLUMNS = (
     *("residual_mm", "residual_deg", "targets", "reached", "microseconds_per_frame", "seconds", "error"),
 )
 SUMMARY_PLOTS = (
-    ("Foot slide", "mm", "slide_mm"),
-    ("Body below the ground", "mm", "penetration_mm"),
-    ("Worst residual of a place or distance", "mm", "residual_mm"),
-    ("Worst residual of a direction", "°", "residual_deg"),
-    ("Time of the solver a frame", "µs", "microseconds_per_frame"),
+    ("Contact sliding", "mm", "slide_mm"),
+    ("Penetration of the ground", "mm", "penetration_mm"),
+    ("Worst position error", "mm", "residual_mm"),
+    ("Worst angle error", "°", "residual_deg"),
+    ("Solver time per frame", "µs", "microseconds_per_frame"),
 )
 """Plots of the page: title, unit, and column of the table."""
 CHART_COLOURS = ("#4f8fba", "#d98e3f", "#6a9f58", "#b65c7a", "#8a77b5", "#55a9a4", "#a68a5b", "#888888")

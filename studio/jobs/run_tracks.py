@@ -38,7 +38,7 @@ def with_tracks(
         if each.scope.clip_id or each.scope.performer_id not in ("", *requests):
             asked_alone = each.scope.performer_id or f"clip {each.scope.clip_id}"
             raise StudioError(
-                f"'{each.name}' is asked of '{asked_alone}', which is not among the characters: {', '.join(requests)}."
+                f"'{each.name}' applies to '{asked_alone}', which is not among the characters: {', '.join(requests)}."
             )
     _check_followed(constraints, requests)
     asked = {}
@@ -83,7 +83,7 @@ def _check_followed(constraints: tuple[Constraint, ...], requests: Mapping[str, 
         for follow in follows_of(constraint):
             if isinstance(follow, FollowPerformer) and follow.performer_id not in requests:
                 raise StudioError(
-                    f"'{constraint.name}' follows '{follow.performer_id}', who is not among the characters:"
+                    f"'{constraint.name}' follows '{follow.performer_id}', which is not among the characters:"
                     f" {', '.join(requests)}."
                 )
 

@@ -94,7 +94,9 @@ def correct_label(catalogue: Catalogue, clip_number: int, label: ClipLabel) -> N
     """Replace the label of a clip by ``label``, confirmed by a person. Raises StudioError if the clip is gone."""
     clip = next((each for each in catalogue.clips() if each.number == clip_number), None)
     if clip is None:
-        raise StudioError("That clip is no longer in the library: its file went or was read again. Search again.")
+        raise StudioError(
+            "That clip is no longer in the motion library: its file went or was read again. Search again."
+        )
     take = catalogue.takes().get(clip.take)
     if take is None or label.last >= take.motion.frame_count:
         raise StudioError(

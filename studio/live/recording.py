@@ -109,7 +109,7 @@ class Recorder:
         try:
             self._file.close()
         except OSError as error:
-            self.problem = self.problem or f"{self.path.name} may not be whole: {error.strerror}."
+            self.problem = self.problem or f"{self.path.name} may be incomplete: {error.strerror}."
 
 
 class Replay:

@@ -50,7 +50,7 @@ class CaptureEditor(Editor[Capture]):
         self._values = {name: styled_label("", "value") for name in ("File", "Frames", "Length", "Joints")}
         for name, value in self._values.items():
             self._facts.add_row(name, value)
-        self._tags = TagField("walk, fast", "used by the library search")
+        self._tags = TagField("walk, fast", "used by the outliner's search")
         self._tags.tags_edited.connect(self._set_tags)
         self._facts.add_row("Tags", self._tags)
         self.column.addWidget(self._facts)

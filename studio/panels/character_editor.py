@@ -84,7 +84,7 @@ class BodySection(Section):
         self.add_row("Finger curl", self._grip)
         self._growth = GrowthRow(editor, self, character_id)
         self._sliders = {field.name: self._make_slider(field.name) for field in fields(Proportions)}
-        self._tags = TagField("hero, tall", "used by the library search")
+        self._tags = TagField("hero, tall", "used by the outliner's search")
         self._tags.tags_edited.connect(self._set_tags)
         self.add_row("Tags", self._tags)
         self._odd = styled_label("", "hint")

@@ -49,7 +49,7 @@ class ClipEditor(Editor[Clip]):
         section = Section("Clip")
         self._motion, self._players = styled_label("", "value"), styled_label("", "value")
         self._players.setWordWrap(True)
-        section.add_row("Motion", self._motion)
+        section.add_row("Capture", self._motion)
         section.add_row("Used by", self._players)
         self._own = press_button("", self._make_own)
         self._own.setToolTip(
@@ -57,7 +57,7 @@ class ClipEditor(Editor[Clip]):
         )
         section.add_wide(self._own)
         self._start = self._number(
-            NumberField("Start", "s", -CLIP_TIME_LIMIT, CLIP_TIME_LIMIT, 0.05, 3), "Shift", start=1.0
+            NumberField("Start", "s", -CLIP_TIME_LIMIT, CLIP_TIME_LIMIT, 0.05, 3), "Move", start=1.0
         )
         section.add_row("Start", self._start)
         self._first = self.bind(NumberField("First frame", "", 0, 1e6, 1, 0), self._set_first)
@@ -198,7 +198,7 @@ class ClipEditor(Editor[Clip]):
         """Key the speed at the playhead; or, if ``on`` is False, make its current value constant."""
         self._change_speed(
             lambda clip: KeyedNumber((self._time_of(clip),), (self._speed_of(clip),)) if on else self._speed_of(clip),
-            "Key" if on else "Remove keys of the",
+            "Key" if on else "Delete keys of the",
         )
 
     def _change_speed(self, change: Callable[[Clip], Speed], verb: str) -> None:

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 FIGURES_PX, CAPTION_PX = 104, 16
 AUTOMATIC_LABEL_HINT = (
-    "Labelled automatically. Drag trim handles and hit marker, set the type, and confirm; indexing keeps your label."
+    "Classified automatically. Drag trim handles and hit marker, set the type, and confirm; indexing keeps your"
+    " classification."
 )
 CONFIRMED_LABEL_HINT = "Confirmed (kept on re-indexing)"
 
@@ -44,7 +45,7 @@ class ClipForm(QScrollArea):
         self.limb = Choice("Limb", [(limb, limb.words.capitalize()) for limb in Limb])
         self.kind = Choice("Type", [(kind, kind.capitalize()) for kind in Kind])
         self.segment = Choice("Striking body part", [])
-        self.tags = TagField("high, spinning", "Tags by which the library search finds the clip")
+        self.tags = TagField("high, spinning", "Tags by which the motion library finds the clip")
         self.frames = {mark: NumberField(f"Frame: {mark}", "", 0, 0, 1, 0) for mark in ClipMark}
         self.undo = press_button("Undo", self._undo)
         self.confirm = press_button("Confirm", self._confirm, "main")

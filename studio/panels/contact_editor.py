@@ -66,7 +66,7 @@ class ContactEditor(Editor[ContactInterval]):
         return super().depends_on(collection, entity_id) or collection == "performers"
 
     def _ask(self, scope: Scope) -> None:
-        text = f"Set scope of {contact_words(self.entity.point).lower()} contacts"
+        text = f"Set 'Applies to' of {contact_words(self.entity.point).lower()} contacts"
         contact_id = move_contact_to_scope(self.document, self.entity_id, scope, text)
         self.document.selection.set(("contacts", contact_id))
 

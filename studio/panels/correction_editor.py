@@ -14,7 +14,7 @@ from studio.engine.live_interface import Live
 from studio.panels.editor import Editor, EntityNameField
 from studio.panels.fields import PER_CENT, Choice, NumberField, Section, check_box, press_button, styled_label
 
-RANGE_FIELDS = ("Start", "Ease-in end", "Ease-out start", "End")
+RANGE_FIELDS = ("Start", "Fade-in end", "Fade-out start", "End")
 TURN_AXES = ("x", "y", "z")
 
 
@@ -45,8 +45,8 @@ class CorrectionEditor(Editor[Correction]):
             self.bind(NumberField(name, "s", -1e6, 1e6, 0.01, 3), partial(self._set_time, place))
             for place, name in enumerate(RANGE_FIELDS)
         ]
-        section.add_row("Ease in (s)", *self._range[:2])
-        section.add_row("Ease out (s)", *self._range[2:])
+        section.add_row("Fade in (s)", *self._range[:2])
+        section.add_row("Fade out (s)", *self._range[2:])
         self.column.addWidget(section)
         self._pose = Section("Pose at playhead")
         self._pose.head.addWidget(press_button("Set key", self._set_key, "link"))

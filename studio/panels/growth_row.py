@@ -57,7 +57,7 @@ class GrowthRow(KeyRow):
         held = self._character.proportions_at(now)
         self._change(
             KeyedProportions((now,), (held,)) if keyed else held,
-            "Animate the proportions of" if keyed else "Remove keys of the proportions of",
+            "Animate the proportions of" if keyed else "Delete keys of the proportions of",
         )
 
     def _change(self, value: Proportions | KeyedProportions, text: str) -> None:

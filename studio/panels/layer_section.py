@@ -26,7 +26,7 @@ class LayerSection(Section):
         self.add_row("Weight", self._weight)
         self._fades = [
             editor.bind(
-                NumberField(f"Fades {way}", "s", 0.0, 60.0, 0.05),
+                NumberField(f"Fade {way}", "s", 0.0, 60.0, 0.05),
                 lambda seconds, name=name: self._put("Set layer fade of", **{name: seconds}),  # type: ignore[misc]
             )
             for way, name in (("in", "fade_in"), ("out", "fade_out"))

@@ -140,7 +140,7 @@ class SearchField(QLineEdit):
     def __init__(self) -> None:
         super().__init__()
         self.setPlaceholderText("Search names and tags")
-        self.setAccessibleName("Search library")
+        self.setAccessibleName("Search outliner")
         self.setClearButtonEnabled(True)
 
     def event(self, event: QEvent) -> bool:
@@ -179,7 +179,7 @@ class LibraryPanel(QWidget):
         self._scenes = scene_rows(recent)
         self.search_field = SearchField()
         self.view = LibraryView()
-        self.view.setAccessibleName("Library")
+        self.view.setAccessibleName("Outliner")
         self.view.setModel(self.model)
         self.thumbnails = Thumbnails(document)
         self.view.setItemDelegate(LibraryDelegate(self.view, self.thumbnails))

@@ -51,7 +51,7 @@ class PerformerEditor(Editor[Performer]):
         self._limited = check_box("Limit to human range")
         self._limited.setToolTip(
             "Joint limits for constraints: shoulders, elbows, wrists, hips, knees and ankles stay in human"
-            " range (or in that of the source motion)."
+            " range (or in that of the source capture)."
         )
         self._limited.toggled.connect(self._limit_or_free)
         section.add_row("Joints", self._limited)
@@ -110,13 +110,13 @@ class PerformerEditor(Editor[Performer]):
         self.change(f"{'Show' if visible else 'Hide'} {self.entity.name}", visible=visible)
 
     def _limit_or_free(self, limited: bool) -> None:
-        self.change(f"Joint limits {'on' if limited else 'off'} for {self.entity.name}", limited=limited)
+        self.change(f"{'Enable' if limited else 'Disable'} joint limits of {self.entity.name}", limited=limited)
 
     def _ease_or_not(self, eased: bool) -> None:
-        self.change(f"Smoothing {'on' if eased else 'off'} for {self.entity.name}", eased=eased)
+        self.change(f"{'Enable' if eased else 'Disable'} smoothing of {self.entity.name}", eased=eased)
 
     def _clear_or_not(self, clears: bool) -> None:
-        kept = "Enable self-collision" if clears else "Disable self-collision"
+        kept = "Enable arm self-collision" if clears else "Disable arm self-collision"
         self.change(f"{kept} of {self.entity.name}", clears=clears)
 
     def _recast(self, character_id: str) -> None:

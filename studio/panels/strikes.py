@@ -13,14 +13,14 @@ from studio.panels.two_lines import TwoLines
 NO_TARGET_CHOICE = "None (list all strikes)"
 NO_STRIKES_HINT = "No clips yet. Add a folder of captures: strikes are found in them automatically."
 READY_HINT = "Hover to preview a strike. Drag it onto a character or a track, or insert it at the playhead."
-EVALUATING_HINT = "Evaluating strikes in this scene…"
-NO_MATCH_HINT = "No clip in the library matches that limb and type."
+EVALUATING_HINT = "Ranking strikes on this stage…"
+NO_MATCH_HINT = "No clip in the motion library matches that limb and type."
 POSE_CLIPS_HINT = "Clips that contain the selected pose, best match first."
 INSERT_TIP = "Insert the strike at the playhead, blended in and constrained to the target"
 TARGET_NEEDED_TIP = "Choose a target first: a strike is inserted so that it meets it"
-UNSOLVED_HINT = "All strikes of the library. Ranking starts when this character and its target are solved."
-OWN_FACE_HINT = "All strikes of the library. A character cannot target its own face: choose another target."
-NO_TARGET_HINT = "All strikes of the library. Choose a target, a box or a face, to rank them."
+UNSOLVED_HINT = "All strikes of the motion library. Ranking starts when this character and its target are solved."
+OWN_FACE_HINT = "All strikes of the motion library. A character cannot target its own face: choose another target."
+NO_TARGET_HINT = "All strikes of the motion library. Choose a target, a box or a face, to rank them."
 
 
 class Strikes(QWidget):
@@ -74,7 +74,7 @@ class Strikes(QWidget):
         )
         self.use.setToolTip(TARGET_NEEDED_TIP)
         self.use.setEnabled(False)
-        self.correct = press_button("Label…", lambda: self.opened.emit(self.results.currentRow()))
+        self.correct = press_button("Classify…", lambda: self.opened.emit(self.results.currentRow()))
         self.correct.setToolTip("Confirm or correct trim range, hit frame, limb and type")
         self.correct.setEnabled(False)
         below = QHBoxLayout()
@@ -98,7 +98,11 @@ class Strikes(QWidget):
         self.results.clear()
         for name, reasons in results:
             item = QListWidgetItem(f"{name}\n{reasons}")
-            tip = "insert it at the playhead, constrained to the target" if usable else "confirm or correct its label"
+            tip = (
+                "insert it at the playhead, constrained to the target"
+                if usable
+                else "confirm or correct its classification"
+            )
             item.setToolTip(f"Double-click to {tip}")
             self.results.addItem(item)
         self.hint.setText(hint)

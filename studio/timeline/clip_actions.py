@@ -98,7 +98,7 @@ def _run_on(shown: RowContext, performer_id: str, run: Callable[[], None]) -> No
 
 
 def _refuse(what: str) -> None:
-    raise StudioError(f"The {what} has been removed from the project: choose another one.")
+    raise StudioError(f"The {what} has been removed from the project. Choose another one.")
 
 
 def try_edit(shown: RowContext, run: Callable[[], None]) -> None:

@@ -173,7 +173,7 @@ def _shifted(shown: RowContext, constraint: Constraint, handle: ItemPart, frames
 
 
 def handle_words(shown: RowContext) -> str:
-    """Description of the focused handle for screen readers: ``Kick target, ease-in end, 0.667 s · frame 20``."""
+    """Description of the focused handle for screen readers: ``Kick target, fade-in end, 0.667 s · frame 20``."""
     current = shown.document.selection.current
     entity = shown.project.get(*current) if current else None
     if entity is None or shown.handle is None:

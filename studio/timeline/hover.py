@@ -50,7 +50,7 @@ def hover_text(sheet: TimelineLayout, plot: PlotPicture, position: QPointF) -> s
         case "clips":
             return _clip_text(sheet, hit)
         case "clip":
-            return "Right-click to add a clip, or drop a capture of the library here"
+            return "Right-click to add a clip, or drop a capture from the outliner here"
         case "growth":
             return "Animated proportions: a slider sets a key at the playhead"
         case "summary" | "sheet":

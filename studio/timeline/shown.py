@@ -31,8 +31,8 @@ class ItemPart(StrEnum):
 
     BODY = "body"
     START = "start"
-    FULL = "ease-in end"
-    FULL_END = "ease-out start"
+    FULL = "fade-in end"
+    FULL_END = "fade-out start"
     END = "end"
     FIRST = "first frame"
     LAST = "last frame"

@@ -19,9 +19,9 @@ class StripState(StrEnum):
 
     INACTIVE = "not active"
     YIELDING = "overridden by contact"
-    HELD = "held"
-    PARTLY = "partly held"
-    NOT_REACHED = "not reached"
+    HELD = "met"
+    PARTLY = "partly met"
+    NOT_REACHED = "not met"
     UNKNOWN = "not solved yet"
 
 

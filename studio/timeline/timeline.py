@@ -66,7 +66,7 @@ class Timeline(QWidget):
         return sheet.rect(row) if row else QRect()
 
     def handle_point(self, constraint_id: str, handle: str) -> QPoint:
-        """Pixel of a handle of a constraint's activation: ``start``, ``ease-in end``, ``ease-out start`` or ``end``."""
+        """Pixel of a handle of a constraint's activation: ``start``, ``fade-in end``, ``fade-out start`` or ``end``."""
         sheet = self._sheet()
         entity = sheet.context.project.constraints[constraint_id]
         points = constraint.handle_points(sheet.context, self.row_rect("constraints", constraint_id), entity)

@@ -41,4 +41,4 @@ def worst_problem(project: Project, result_of: ResultOf) -> Problem | None:
 def _sentence(performer: str, residual: Residual, constraint: str) -> str:
     own = f" ({residual.frame} of the clip)" if residual.frame != residual.stage_frame else ""
     remark = f", {residual.remark}" if residual.remark else ""
-    return f"{performer}: '{constraint}' missed by {residual.text} at frame {residual.stage_frame}{own}{remark}"
+    return f"{performer}: '{constraint}' has an error of {residual.text} at frame {residual.stage_frame}{own}{remark}"

@@ -101,7 +101,7 @@ def test_what_is_saved_is_opened_again(tmp_path: Path) -> None:
         (lambda scene: scene.add_character("nobody"), "No character is called 'nobody'"),
         (lambda scene: scene.add_performer("nobody"), "There is no character 'nobody'"),
         (lambda scene: scene.play("nobody", "nothing"), "There is no motion 'nothing'"),
-        (lambda scene: scene.adapt("nobody"), "'nobody' is no visible performer"),
+        (lambda scene: scene.adapt("nobody"), "'nobody' is not a visible performer"),
         (lambda scene: scene.add_constraint(reach("nothing", (0.0, 0.0, 1.0))), "nothing"),
         (lambda scene: scene.render("nothing.png"), "nothing to draw"),
         (lambda scene: api.open_scene("no-such-scene"), "There is no project 'no-such-scene'"),

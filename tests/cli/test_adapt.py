@@ -192,7 +192,7 @@ def test_people_get_a_table(capsys, walk, tmp_path):
     file = constraint_file(tmp_path, WRIST)
     assert main(["adapt", str(walk), "--out", str(tmp_path), "--constraints", str(file)]) == 0
     printed = capsys.readouterr().out
-    assert all(name in printed for name in ("slide mm", "residual", *bundled_characters()))
+    assert all(name in printed for name in ("contact slide mm", "error", *bundled_characters()))
 
 
 def test_all_that_was_written_is_named(capsys, walk, tmp_path):
@@ -338,7 +338,7 @@ def test_who_follows_another_follows_where_that_one_is_placed(capsys, walk, tmp_
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
-        (["--place", "giant", "0", "0", "0"], "No character 'giant' is among those to be placed: child."),
+        (["--place", "giant", "0", "0", "0"], "--place names 'giant', which is not among the characters: child."),
         (["--place", "child", "0", "north", "0"], "give two lengths in metres"),
         (["--place", "child", "0", "nan", "0"], "give two lengths in metres"),
         (["--ground", "none.json"], "none.json could not be read"),
@@ -486,7 +486,7 @@ def test_a_character_carries_the_captures_fingers_and_props_unless_told_not_to(c
         ({"kind": "follow_tracked", "joint": "RightHnd"}, "'Right wrist' follows a joint that is not there.*RightHand"),
         (
             {"kind": "follow_performer", "performer_id": "giant", "point": {"part": "head"}},
-            "'Right wrist' follows 'giant', who is not among the characters: child",
+            "'Right wrist' follows 'giant', which is not among the characters: child",
         ),
     ],
 )

@@ -154,7 +154,7 @@ def test_a_second_run_skips_all_but_what_changed_and_a_bad_file_is_a_row(folder,
     assert all(float(row["slide_mm"]) >= 0.0 and float(row["seconds"]) > 0.0 for row in table.values())
     page = (folder.parent / "out" / "summary.html").read_text()
     assert page.count("<circle") >= 8
-    assert "Foot slide, mm" in page
+    assert "Contact sliding, mm" in page
 
 
 def test_with_a_worker_killed_half_way_nothing_is_lost(folder, two_workers):

@@ -96,7 +96,7 @@ def test_a_character_in_a_file_that_holds_no_motion_stands_for_one_frame(capsys,
 def test_markers_that_show_no_body_are_told_what_to_say(capsys, captures, tmp_path):
     source = captures / "c3d" / "sample15_FP1_metres.c3d"
     assert main(["convert", str(source), str(tmp_path / "actor.json")]) == 1
-    assert "Say which marker lies where with --marker-map." in capsys.readouterr().err
+    assert "Map its markers with --marker-map." in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("target", ["walk.bvh", "there.bvh", "there.json", "link.bvh"])

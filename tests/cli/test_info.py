@@ -183,14 +183,14 @@ def gappy(tmp_path):
 @pytest.mark.parametrize(
     ("options", "steps", "first"),
     [
-        ([], ["Fill short gaps", "Fill long gaps"], "1 gap filled on a spline, 10 frames in all."),
+        ([], ["Fill short gaps", "Fill long gaps"], "1 gap filled with a spline, 10 frames in all."),
         (["--fill-gaps", "0.05"], ["Fill short gaps", "Fill long gaps"], "Nothing filled."),
         (["--fill-gaps", "0"], [], ""),
         (["--fill-gaps", "0", "--smooth", "6"], ["Smooth"], "Smoothed at 6 Hz; no marker moved more than"),
         (
             ["--undo-swaps"],
-            ["Undo swaps", "Fill short gaps", "Fill long gaps"],
-            "No two markers took each other's name.",
+            ["Fix marker swaps", "Fill short gaps", "Fill long gaps"],
+            "No swapped markers were found.",
         ),
     ],
 )

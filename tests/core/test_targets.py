@@ -318,7 +318,7 @@ def test_another_performer_is_followed_as_the_stage_has_it(body: Morphology) -> 
 
 
 def test_what_is_followed_and_not_there_is_told_by_the_constraint() -> None:
-    with pytest.raises(StudioError, match="'PositionConstraint' follows something that is not there"):
+    with pytest.raises(StudioError, match="'PositionConstraint' follows something that no longer exists"):
         solved(BODIES["child"], ask(PositionConstraint, RIGHT, target=FollowProp("gone")))
 
 

@@ -126,7 +126,7 @@ def test_the_worst_frame_is_the_one_of_the_stage_in_the_repeat_in_which_it_is():
     assert (found.amount, found.frame, found.stage_frame) == (0.04, 12, 41)
     assert found.time == pytest.approx(41 / RATE)
     problem = worst_problem(project, lambda _: told)
-    assert problem.sentence == "Body 0: 'Wrist' missed by 40 mm at frame 41 (12 of the clip)"
+    assert problem.sentence == "Body 0: 'Wrist' has an error of 40 mm at frame 41 (12 of the clip)"
     strip = strip_of(project, "performer 0", told, "c")
     assert (strip.error_at(41 / RATE), strip.error_at(10 / RATE)) == (0.04, 0.01)
 
@@ -137,5 +137,5 @@ def test_viewport_and_inspector_tell_the_same_number_and_frame():
     problem = worst_problem(project, lambda _: motion)
     [line] = residuals_of(project, SimpleNamespace(reported_motion=lambda _: motion, ready=True), "c")
     assert (problem.residual.amount, problem.residual.frame) == pytest.approx((line.worst.amount, line.worst.frame))
-    assert problem.sentence == "Body 0: 'Wrist' missed by 40 mm at frame 10"
-    assert words_of(line) == "not reached, 40 mm at 10"
+    assert problem.sentence == "Body 0: 'Wrist' has an error of 40 mm at frame 10"
+    assert words_of(line) == "not met, 40 mm at 10"

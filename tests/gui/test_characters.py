@@ -86,7 +86,7 @@ def test_the_motion_that_came_along_is_offered(qtbot, window, tmp_path):
     path.write_bytes(Gltf().moving().glb())
     drop(qtbot, window, path)
     assert window.strip.text == "dancer.glb also contains animation."
-    [offer] = [button for button in window.strip.findChildren(QPushButton) if button.text() == "Import its motion"]
+    [offer] = [button for button in window.strip.findChildren(QPushButton) if button.text() == "Import animation"]
     offer.click()
     qtbot.waitUntil(lambda: not window.bench.runner.running, timeout=PATIENCE)
     document = window.bench.document

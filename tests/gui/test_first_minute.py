@@ -200,7 +200,7 @@ def test_the_first_minute_can_be_walked_by_keys_alone(window):
     assert document.project.constraints[constraint_id].target[2] == pytest.approx(1.8)
     assert misses(window, constraint_id)["child"] > SHORT
     curve = document.project.constraints[constraint_id].activation
-    tab_to("ease-out start")
+    tab_to("fade-out start")
     press(Qt.Key.Key_Right)
     moved = document.project.constraints[constraint_id].activation.full_end
     assert moved == pytest.approx(round(60 * curve.full_end + 1) / 60)  # on a frame

@@ -156,7 +156,7 @@ def test_deleting_bodies_says_that_they_leave_the_stage_and_their_characters_sta
 def test_the_menus_of_props_and_of_the_library_are_their_own(window):
     menus = window.actions_by_id.by_menu()
     assert "Add box" in [action.text() for action in menus["Prop"]]
-    assert "Find a strike in the library…" in [action.text() for action in menus["Library"]]
+    assert "Find strike…" in [action.text() for action in menus["Library"]]
     assert not {"Add box", "Pick up prop at playhead"} & {action.text() for action in menus["Constraint"]}
 
 

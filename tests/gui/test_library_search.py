@@ -71,7 +71,7 @@ def test_the_key_shows_a_closed_panel_and_escape_lists_everything_and_keeps_the_
     document, library = window.bench.document, window.library
     before = texts(window)
     document.selection.set(("performers", "performer 1"))
-    window.docks["Library"].hide()
+    window.docks["Outliner"].hide()
     QTest.keyClick(window, Qt.Key.Key_F, CONTROL | SHIFT)
     qtbot.waitUntil(library.search_field.hasFocus)
     QTest.keyClicks(library.search_field, "round table")

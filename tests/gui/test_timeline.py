@@ -12,16 +12,16 @@ from tests.gui.hand import RATE, frames, in_lane, pixels
 
 def test_dragging_the_full_handle_ten_frames_is_one_step_that_can_be_undone(document, timeline, hand):
     before = document.project.constraints["kick"]
-    hand.drag(timeline.handle_point("kick", "ease-in end"), pixels(timeline, 10))
+    hand.drag(timeline.handle_point("kick", "fade-in end"), pixels(timeline, 10))
     assert frames(document.project.constraints["kick"].activation) == (20, 40, 50, 60)
     assert document.undo_stack.count() == 1
-    assert document.undo_stack.text(0) == "Move ease-in end of Kick target"
+    assert document.undo_stack.text(0) == "Move fade-in end of Kick target"
     document.undo_stack.undo()
     assert document.project.constraints["kick"] == before
 
 
 def test_everybody_is_solved_live_from_the_press_to_the_release(timeline, live, hand):
-    hand.press(timeline.handle_point("kick", "ease-in end"))
+    hand.press(timeline.handle_point("kick", "fade-in end"))
     hand.move(pixels(timeline, 10))
     assert live.interactive
     hand.release()
@@ -36,7 +36,7 @@ def test_the_document_follows_while_the_mouse_moves(document, timeline, hand):
 
 def test_esc_during_a_drag_puts_everything_back(document, timeline, live, hand):
     before = document.project.constraints["kick"]
-    hand.press(timeline.handle_point("kick", "ease-in end"))
+    hand.press(timeline.handle_point("kick", "fade-in end"))
     hand.move(pixels(timeline, 10))
     QTest.keyClick(timeline.tracks, Qt.Key.Key_Escape)
     assert document.project.constraints["kick"] == before
@@ -48,7 +48,7 @@ def test_esc_during_a_drag_puts_everything_back(document, timeline, live, hand):
 
 
 def test_a_drag_back_to_where_it_began_leaves_no_step(document, timeline, hand):
-    hand.press(timeline.handle_point("kick", "ease-in end"))
+    hand.press(timeline.handle_point("kick", "fade-in end"))
     hand.move(pixels(timeline, 10))
     hand.move(-pixels(timeline, 10))
     hand.release()
@@ -56,7 +56,7 @@ def test_a_drag_back_to_where_it_began_leaves_no_step(document, timeline, hand):
 
 
 def test_times_snap_to_frames_unless_alt_is_held(document, timeline, hand):
-    hand.press(timeline.handle_point("kick", "ease-in end"))
+    hand.press(timeline.handle_point("kick", "fade-in end"))
     hand.move(pixels(timeline, 4.4))
     assert frames(document.project.constraints["kick"].activation)[1] == 34
     hand.move(0, Qt.KeyboardModifier.AltModifier)
@@ -66,7 +66,7 @@ def test_times_snap_to_frames_unless_alt_is_held(document, timeline, hand):
 
 def test_a_time_catches_on_the_playhead_even_between_frames(document, timeline, hand):
     document.playhead.set_time(40.3 / RATE)
-    hand.press(timeline.handle_point("kick", "ease-in end"))
+    hand.press(timeline.handle_point("kick", "fade-in end"))
     hand.move(pixels(timeline, 10.1))
     assert frames(document.project.constraints["kick"].activation)[1] == pytest.approx(40.3)
     assert timeline.tracks.gesture.mark.magnet == pytest.approx(40.3 / RATE)
@@ -74,7 +74,7 @@ def test_a_time_catches_on_the_playhead_even_between_frames(document, timeline, 
 
 
 def test_a_drag_tells_its_time_and_frame(timeline, hand, qtbot):
-    hand.press(timeline.handle_point("kick", "ease-in end"))
+    hand.press(timeline.handle_point("kick", "fade-in end"))
     with qtbot.waitSignal(timeline.message_posted) as told:
         hand.move(pixels(timeline, 12))
     assert timeline.tracks.gesture.mark.text.endswith("0.700 s · frame 42")
@@ -90,7 +90,7 @@ def test_dragging_the_bar_moves_the_whole_curve(document, timeline, hand):
 
 
 def test_a_click_selects_and_changes_nothing(document, timeline, hand):
-    hand.drag(timeline.handle_point("kick", "ease-in end"), 0)
+    hand.drag(timeline.handle_point("kick", "fade-in end"), 0)
     assert document.selection.current == ("constraints", "kick")
     assert document.undo_stack.count() == 0
 
@@ -188,7 +188,7 @@ def test_tab_takes_hold_of_a_handle_and_arrows_move_it_by_a_frame(document, time
         QTest.keyClick(timeline.tracks, Qt.Key.Key_Tab)
     QTest.keyClick(timeline.tracks, Qt.Key.Key_Right)
     assert frames(document.project.constraints["kick"].activation) == (20, 31, 50, 60)
-    assert timeline.tracks.accessibleName() == "Kick target, ease-in end, 0.517 s · frame 31"
+    assert timeline.tracks.accessibleName() == "Kick target, fade-in end, 0.517 s · frame 31"
     assert document.playhead.frame == 0
     assert document.undo_stack.count() == 1
 

@@ -96,7 +96,7 @@ def test_dragging_a_bar_moves_it_in_time_as_one_step(document, timeline, hand):
     hand.drag(place(timeline, SECOND, 120), pixels(timeline, 7))
     assert clip(document, "kick", SECOND).start * RATE == pytest.approx(87)
     assert document.undo_stack.count() == 1
-    assert document.undo_stack.text(0) == "Shift Other"
+    assert document.undo_stack.text(0) == "Move Other"
     document.undo_stack.undo()
     assert document.project.performers == before.performers
 
@@ -314,14 +314,14 @@ def test_a_selected_constraint_brings_the_clip_of_which_it_is_asked(document, ti
 
 def test_who_cannot_be_adapted_is_shown_as_such_and_the_others_as_ever(document, timeline, live):
     before = timeline.grab().toImage()
-    live.failures[SECOND] = "It follows 'Nobody', who could not be adapted."
+    live.failures[SECOND] = "It follows 'Nobody', which could not be adapted."
     live.reported_changed.emit()
     after = timeline.grab().toImage()
     points = {key: timeline.tracks.mapTo(timeline, place(timeline, key, 120)) for key in (FIRST, SECOND)}
     assert after.pixelColor(points[FIRST]) == before.pixelColor(points[FIRST])
     assert after.pixelColor(points[SECOND]) != before.pixelColor(points[SECOND])
     said = hover_text(timeline.tracks.sheet, timeline.tracks.picture.plot, QPointF(place(timeline, SECOND, 120)))
-    assert "who could not be adapted" in said
+    assert "which could not be adapted" in said
 
 
 @pytest.mark.parametrize(("stretched", "speed", "later"), [(60, 0.5, 60), (-30, 2.0, -30), (-59.9, 10.0, -54)])

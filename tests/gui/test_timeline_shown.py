@@ -79,7 +79,7 @@ def test_a_body_that_is_not_solved_yet_is_hatched_and_nobody_says_held(timeline,
     live.unsolved.add("performer 0")
     assert constraint.residual_text(shown, "kick")[0] == "not solved yet"
     live.unsolved.clear()
-    assert constraint.residual_text(shown, "kick")[0] == "held on all characters"
+    assert constraint.residual_text(shown, "kick")[0] == "met on all characters"
 
 
 def test_a_moved_playhead_draws_no_row_again(document, timeline, monkeypatch):
@@ -274,7 +274,7 @@ def test_loop_speed_and_range_reach_the_playhead(document, timeline):
 
 
 def test_a_closed_timeline_follows_nothing_any_more(document, live, timeline, hand):
-    hand.press(timeline.handle_point("kick", "ease-in end"))
+    hand.press(timeline.handle_point("kick", "fade-in end"))
     hand.move(pixels(timeline, 10))
     timeline.close()
     assert frames(document.project.constraints["kick"].activation)[1] == 30
@@ -292,7 +292,7 @@ def test_a_body_of_which_a_constraint_is_not_asked_is_neither_hatched_nor_counte
     kick = document.project.constraints["kick"]
     document.replace("constraints", "kick", replace(kick, scope=Scope(performer_id="performer 0")), "Scope")
     assert timeline.strip_state("kick", "performer 1", 40) == StripState.INACTIVE
-    assert constraint.residual_text(timeline.tracks.shown, "kick")[0] == "held"
+    assert constraint.residual_text(timeline.tracks.shown, "kick")[0] == "met"
 
 
 def test_rows_of_contacts_are_folded_by_their_arrow_and_contacts_are_still_dragged(document, timeline, hand):
@@ -321,7 +321,7 @@ def test_rows_are_folded_by_their_arrow_or_all_at_once_and_unfolded_again(docume
     assert document.selection.items == ()
     shown = timeline.tracks.shown
     assert [body.name for body in constraint.bodies_of(shown, low, "kick")] == ["Body 1"]  # who misses it most
-    hand.drag(timeline.handle_point("kick", "ease-in end"), pixels(timeline, 10))
+    hand.drag(timeline.handle_point("kick", "fade-in end"), pixels(timeline, 10))
     assert frames(document.project.constraints["kick"].activation) == (20, 40, 50, 60)
     hand.press(QPoint(6, low.center().y()))
     hand.release()

@@ -23,7 +23,7 @@ def test_the_problem_chip_goes_to_the_worst_frame_and_selects_the_constraint(stu
     settle(viewport)
     problem = chip(viewport, "most_important_problem")
     assert problem.isVisible()
-    assert "'Target 0' missed by" in problem.text()
+    assert "'Target 0' has an error of" in problem.text()
     QTest.mouseClick(problem, LEFT)
     assert document.playhead.frame == int(problem.text().rsplit(" ", 1)[1])
     assert document.selection.current == ("constraints", "constraint 0")

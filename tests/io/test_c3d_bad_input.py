@@ -88,15 +88,15 @@ REFUSED: dict[str, tuple[Spoil, str]] = {
     ),
     "scale nan without a parameter": (
         both(header(6, float("nan")), renamed("POINT", "SCALE")),
-        "take.c3d, byte 12: the scale of its points, nan, cannot be true.",
+        "take.c3d, byte 12: the scale of its points, nan, is not valid.",
     ),
     "scale zero without a parameter": (
         both(header(6, 0.0), renamed("POINT", "SCALE")),
-        "take.c3d, byte 12: the scale of its points, 0, cannot be true.",
+        "take.c3d, byte 12: the scale of its points, 0, is not valid.",
     ),
     "scale beyond all bounds": (
         both(header(6, 1e30), parameter("POINT", "SCALE", struct.pack("<f", -1e30))),
-        "take.c3d, byte 12: the scale of its points, 1e+30, cannot be true.",
+        "take.c3d, byte 12: the scale of its points, 1e+30, is not valid.",
     ),
     "a parameter that leads into itself": (
         step("POINT", "RATE", 2),
@@ -144,19 +144,19 @@ REPAIRED: dict[str, tuple[Spoil, str]] = {
         "take.c3d, byte 4: the header says 6 analog channels, ANALOG:USED 3; read so.",
     ),
     "frames in no block": (header(8, 0), "take.c3d, byte 16: block 0 cannot hold the frames; POINT:DATA_START was"),
-    "frame rate nan": (header(10, float("nan")), "take.c3d, byte 20: the frame rate nan cannot be true; POINT:RATE"),
-    "frame rate zero": (header(10, 0.0), "the frame rate 0 cannot be true; POINT:RATE was taken."),
-    "frame rate negative": (header(10, -50.0), "the frame rate -50 cannot be true; POINT:RATE was taken."),
+    "frame rate nan": (header(10, float("nan")), "take.c3d, byte 20: the frame rate nan is not valid; POINT:RATE"),
+    "frame rate zero": (header(10, 0.0), "the frame rate 0 is not valid; POINT:RATE was taken."),
+    "frame rate negative": (header(10, -50.0), "the frame rate -50 is not valid; POINT:RATE was taken."),
     "frame rates that differ": (
         header(10, 200.0),
         "take.c3d, byte 20: the header says 200 Hz, POINT:RATE 100; read as the header says.",
     ),
     "no frame rate at all": (
         both(header(10, float("inf")), renamed("POINT", "RATE")),
-        "the frame rate inf cannot be true; 100 Hz was taken.",
+        "the frame rate inf is not valid; 100 Hz was taken.",
     ),
-    "scale zero": (header(6, 0.0), "take.c3d, byte 12: the scale 0 cannot be true; POINT:SCALE -1 was taken."),
-    "scale nan": (header(6, float("nan")), "the scale nan cannot be true; POINT:SCALE -1 was taken."),
+    "scale zero": (header(6, 0.0), "take.c3d, byte 12: the scale 0 is not valid; POINT:SCALE -1 was taken."),
+    "scale nan": (header(6, float("nan")), "the scale nan is not valid; POINT:SCALE -1 was taken."),
     "scales of integers that differ": (
         both(header(6, 0.5), parameter("POINT", "SCALE", struct.pack("<f", 0.25))),
         "take.c3d, byte 12: the header says a scale of 0.5, POINT:SCALE 0.25; read as the header says.",

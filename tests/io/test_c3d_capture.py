@@ -52,7 +52,7 @@ def test_points_without_names_open_as_bare_markers_and_say_what_to_do(captures: 
     assert capture.body_map is None
     assert capture.skeleton.names == ("Markers", *(f"PT{place:02d}" for place in range(8)))
     [guess] = [guess for guess in capture.guesses if guess.subject == "marker map"]
-    assert "Say it under Markers; the map can be saved and used again." in guess.reason
+    assert "Assign them under Edit > Markers; the map can be saved and used again." in guess.reason
     trial = capture.markers.trial
     positions = joint_world(capture.skeleton, capture.poses)[0]
     np.testing.assert_allclose(positions[:, 1, 2], trial.points[:, 0, 2], atol=1e-12)
@@ -77,7 +77,7 @@ def test_labels_that_were_exchanged_are_put_right_and_reported(tmp_path: Path) -
     assert capture.markers is not None
     assert capture.markers.marker_map.markers["left_heel"] == ("lefttoe",)
     [guess] = [guess for guess in capture.guesses if guess.subject == "places"]
-    assert guess.reason.startswith("leftheel, lefttoe lie at each other's places")
+    assert guess.reason.startswith("leftheel, lefttoe are at each other's body locations")
 
 
 def test_a_map_said_by_hand_makes_a_body_of_bare_markers() -> None:
@@ -116,7 +116,7 @@ def test_a_lower_body_says_that_its_arms_are_at_rest(captures: Path) -> None:
     capture = load_capture(captures / "c3d" / "btk_PiG_LowerBody_walk.c3d")
     [guess] = [guess for guess in capture.guesses if guess.subject == "not shown"]
     assert guess.value == "head and arms"
-    assert "The head needs markers at three places and has 0." in guess.reason
+    assert "The head needs markers at three body locations and has 0." in guess.reason
     assert "The arms lack markers at left shoulder, right shoulder, left elbow" in guess.reason
 
 
@@ -124,7 +124,7 @@ def test_a_lower_body_says_that_its_arms_are_at_rest(captures: Path) -> None:
     ("open_places", "sentence"),
     [
         (("left_shoulder",), "The arms lack markers at left shoulder. What"),
-        (("left_front_head", "right_front_head"), "The head needs markers at three places and has 2."),
+        (("left_front_head", "right_front_head"), "The head needs markers at three body locations and has 2."),
     ],
 )
 def test_what_is_not_shown_is_told_by_the_places_it_lacks_and_the_markers_left_over(
@@ -137,7 +137,7 @@ def test_what_is_not_shown_is_told_by_the_places_it_lacks_and_the_markers_left_o
     capture = load_capture_of(trial, ImportOptions(marker_map=marker_map))
     [guess] = [guess for guess in capture.guesses if guess.subject == "not shown"]
     assert sentence in guess.reason
-    assert guess.reason.endswith(f"At no place of the map: {', '.join(left_over)}.")
+    assert guess.reason.endswith(f"Not in the marker map: {', '.join(left_over)}.")
 
 
 def test_frames_without_a_body_at_the_end_are_told_where_nothing_else_is() -> None:
@@ -182,7 +182,7 @@ def test_legs_that_carry_each_others_names_are_put_right_and_told() -> None:
     assert np.array_equal(wrong.poses.local_rotations, right.poses.local_rotations)
     assert not [guess for guess in right.guesses if guess.subject == "sides"]
     [guess] = [guess for guess in wrong.guesses if guess.subject == "sides"]
-    assert guess.value == "left and right exchanged"
+    assert guess.value == "left and right swapped, corrected"
 
 
 def test_frames_in_which_a_foot_is_not_yet_seen_size_no_foot() -> None:

@@ -138,11 +138,11 @@ REFUSED: dict[str, tuple[Callable[[dict[str, bytes]], bytes], str]] = {
     "project.json has no schema": (project(lambda record: record.pop("schema")), "does not say which version"),
     "the schema is a word": (project(lambda record: record.update(schema="one")), "does not say which version"),
     "the schema is zero": (project(lambda record: record.update(schema=0)), "does not say which version"),
-    "a frame rate too large to be true": (
+    "a frame rate out of range": (
         lambda members: packed(
             {**members, "project.json": members["project.json"].replace(b'"frame_rate":60.0', b'"frame_rate":1e999')}
         ),
-        "1e999 is too large to be true",
+        "1e999 is out of range",
     ),
     "the schema is not finite": (text(b'{"schema": 1e999}'), "project.json"),
 }
@@ -211,7 +211,7 @@ TOLD: dict[str, tuple[Callable[[dict[str, bytes]], bytes], str]] = {
     ),
     "a state as far away as the moon": (
         behaviour(states=[{"name": "Guard", "manners": [{"kind": "keep_distance", "distance": 4e8}]}]),
-        "cannot be true",
+        "is out of range",
     ),
     "a behaviour of a body that is not there": (behaviour(cast=[{"performer_id": "gone"}]), "it needs performers"),
     "a state that is a number": (behaviour(states=[7]), "a record expected"),
@@ -292,7 +292,7 @@ CHARACTERS: dict[str, tuple[Change, str]] = {
     "one leg": (build(leg=[[0.4, 0.4]]), "damaged"),
     "a spine of one vertebra": (build(spine=[[0.0, 0.0, 0.2]]), "damaged"),
     "a proportion that is not known": (lambda record: record.update(proportions={"wings": 2}), "damaged"),
-    "a proportion too large to be true": (lambda record: record.update(proportions={"stature": 1e9}), "between"),
+    "a proportion out of range": (lambda record: record.update(proportions={"stature": 1e9}), "between"),
     "a build of nothing": (lambda record: record.update(build={}), "needs spine"),
     "a proportion below zero": (lambda record: record.update(proportions={"head": -1.0}), "between 0.2 and 5"),
     "a proportion that is a word": (lambda record: record.update(proportions={"stature": "tall"}), "damaged"),

@@ -264,7 +264,7 @@ def test_a_unit_may_be_a_number_of_metres(walk: Path) -> None:
         (ImportOptions(reference="999"), "'999' is not a reference pose. Choose 'zero' or a frame from 0 to 29"),
         (ImportOptions(body_map={"left_foot": "Nose"}), "No joint is called 'Nose'"),
         (ImportOptions(body_map={"nose": "Head"}), "'nose' is not a part of a body"),
-        (ImportOptions(body_map={"left_foot": "LeftHand"}), "With the joints chosen, no left leg"),
+        (ImportOptions(body_map={"left_foot": "LeftHand"}), "With the chosen joints, no left leg"),
     ],
 )
 def test_options_that_do_not_fit_are_refused(walk: Path, options: ImportOptions, sentence: str) -> None:

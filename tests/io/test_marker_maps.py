@@ -20,7 +20,7 @@ from tests.io.trials import make_trial
         ("btk_shd01_prefix", "Plug-in-Gait"),
         ("sample09_PlugInC3D", "Plug-in-Gait with a sacrum marker"),
         ("btk_mocap36_optitrack", "OptiTrack baseline"),
-        ("btk_Gait_dec_int", "proposed by names and places"),
+        ("btk_Gait_dec_int", "proposed from marker names and positions"),
     ],
 )
 def test_known_sets_are_recognised(captures: Path, file: str, name: str) -> None:

@@ -202,7 +202,7 @@ def test_an_activation_is_shown_and_set_in_the_time_of_the_stage(inspector, docu
     end.setValue(end.value() + 0.5)
     changed = document.project.constraints["constraint 0"].activation
     assert changed.end == pytest.approx(curve.end + 1.0, abs=2e-3)
-    assert named(inspector, NumberField, "Ease out").value() == pytest.approx(
+    assert named(inspector, NumberField, "Fade out").value() == pytest.approx(
         0.5 * (curve.end - curve.full_end), abs=1e-3
     )
 
@@ -329,7 +329,7 @@ def test_a_segment_gets_a_weight_of_its_own_and_loses_it_again(inspector, docume
 
 def test_an_ease_never_crosses_the_other_one(inspector, document):
     document.selection.set(("constraints", "constraint 0"))
-    field = named(inspector, NumberField, "Ease in")
+    field = named(inspector, NumberField, "Fade in")
     field.setValue(100.0)
     curve = document.project.constraints["constraint 0"].activation
     assert curve.start <= curve.full <= curve.full_end <= curve.end
@@ -388,7 +388,7 @@ def test_residuals_tell_who_misses_the_target_by_how_much_and_when(document, liv
     live.results["performer 1"] = AdaptedMotion(make_morphology(), 60.0, 0, nothing, nothing, residuals)
     first, second = residuals_of(document.project, live, "constraint 0")
     assert words_of(first) == "not solved yet"
-    assert words_of(second) == "not reached, 42 mm at 15"
+    assert words_of(second) == "not met, 42 mm at 15"
 
 
 @pytest.mark.parametrize(
@@ -422,7 +422,7 @@ def test_jolts_of_a_character_are_eased_or_left_by_a_tick_that_can_be_undone(ins
     assert tick.isChecked()
     QTest.mouseClick(tick, LEFT, pos=QPoint(8, tick.height() // 2))
     assert [each.eased for each in document.project.performers.values()][:2] == [False, True]
-    assert document.history[-1] == "Smoothing off for Body 0"
+    assert document.history[-1] == "Disable smoothing of Body 0"
     document.undo_stack.undo()
     assert tick.isChecked()
 
@@ -434,7 +434,7 @@ def test_the_joints_of_a_character_are_freed_and_limited_by_a_tick_that_can_be_u
     QTest.mouseClick(tick, LEFT, pos=QPoint(8, tick.height() // 2))
     assert not document.project.performers["performer 0"].limited
     assert document.project.performers["performer 1"].limited
-    assert document.history[-1] == "Joint limits off for Body 0"
+    assert document.history[-1] == "Disable joint limits of Body 0"
     document.undo_stack.undo()
     assert tick.isChecked()
     assert document.project.performers["performer 0"].limited

@@ -131,7 +131,7 @@ def _with_motion(bench: Workbench, title: str, names: tuple[str, ...], make: Cal
         if project.captures[motion.capture_id].body_map is not None
     }
     if not usable:
-        raise StudioError("There is no motion yet. Drop a capture on the window first.")
+        raise StudioError("There is no capture yet. Drop one on the window first.")
     fitting = [key for key, motion in usable.items() if any(word in motion.name.lower() for word in names)]
     if len(fitting) == 1:
         make(_whole(project, fitting[0]))

@@ -21,7 +21,7 @@ def chosen_clip(bench: Workbench) -> str | None:
 def add(bench: Workbench) -> None:
     """Let the user choose a motion, and append it to the tracks of the selected performers, or of all visible ones."""
     _choose(
-        bench, "Choose the motion to add", lambda keys, motion_id: clip_edits.add_clip(bench.document, keys, motion_id)
+        bench, "Choose a capture to add", lambda keys, motion_id: clip_edits.add_clip(bench.document, keys, motion_id)
     )
 
 
@@ -30,7 +30,7 @@ def add_layer(bench: Workbench) -> None:
     now = bench.document.playhead.time
     _choose(
         bench,
-        "Choose the motion to add as a layer",
+        "Choose a capture to add as a layer",
         lambda keys, motion_id: clip_edits.add_layer(bench.document, keys, motion_id, now),
     )
 
@@ -43,7 +43,7 @@ def _choose(bench: Workbench, text: str, put: Callable[[list[str], str], str]) -
         if project.captures[motion.capture_id].body_map is not None
     ]
     if not choices:
-        raise StudioError("There is no motion to add yet. Drop a capture on the window first.")
+        raise StudioError("There is no capture to add yet. Drop one on the window first.")
     bench.window.choose(text, choices)
 
 

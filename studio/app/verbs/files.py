@@ -134,7 +134,7 @@ def stage_thumbnail(bench: Workbench) -> bytes | None:
 
 def import_motion(bench: Workbench) -> None:
     """Ask for a capture and import it."""
-    ask_file(bench, "Import motion", motions("capture_reader"), lambda path: capture_import.import_motion(bench, path))
+    ask_file(bench, "Import capture", motions("capture_reader"), lambda path: capture_import.import_motion(bench, path))
 
 
 def import_character(bench: Workbench) -> None:

@@ -59,7 +59,7 @@ def find_reference_pose(skeleton: Skeleton, poses: PoseSequence, body_map: BodyM
     doubt = f"The head may be turned by {neutral.head_doubt:.0f} degrees" if neutral.head_doubt else "It has no head"
     stood = stance_deviations(points, body_map).max(axis=1).min() <= _NEVER_STOOD
     if not stood:
-        doubt += ", and the body never stands at ease: look at its head, hands and feet"
+        doubt += ", and the body is never in a neutral stance: check its head, hands and feet"
     reason = "With all rotations zero the body is not human; its mean pose was stood upright."
     confidence = Confidence.LIKELY if stood and neutral.head_doubt <= _SURE_HEAD else Confidence.DOUBTFUL
     return ReferencePose(neutral.rotations, ALL_FRAMES, f"{reason} {doubt}.", confidence)

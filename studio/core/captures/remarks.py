@@ -192,7 +192,7 @@ def _far_hand(capture: Capture, body: BodyMap, side: str, positions: FloatArray)
     forearm = positions[:, wrist] - positions[:, body[BodyPart(f"{side}_forearm")]]
     if far < SHORTEST_HAND_METRES or has_hand_length(reach, forearm).any():
         return []
-    return [f"The {side} hand ends {100.0 * far:.0f} cm from its wrist: a hand of usual length takes its place."]
+    return [f"The {side} hand ends {100.0 * far:.0f} cm from its wrist. A hand of usual length is used instead."]
 
 
 def _stretches(skeleton: Skeleton, body: BodyMap, positions: FloatArray) -> list[Remark]:
@@ -207,8 +207,12 @@ def _stretches(skeleton: Skeleton, body: BodyMap, positions: FloatArray) -> list
     worst = int(np.argmax(off))
     if off[worst] < STRETCHED_BONE_METRES:
         return []
-    words = f"The {bones[worst][0]} changes its length by {1000.0 * off[worst]:.0f} mm and more:"
-    return [Remark(f"{words} on bodies, whose bones keep theirs, joints lie elsewhere by as much.")]
+    words = f"The {bones[worst][0]} changes its length by {1000.0 * off[worst]:.0f} mm and more."
+    return [
+        Remark(
+            f"{words} Bones of characters have a constant length, so their joints differ from the capture by as much."
+        )
+    ]
 
 
 def _mapped_bones(skeleton: Skeleton, body: BodyMap) -> list[tuple[str, int, int]]:
@@ -316,7 +320,9 @@ def _hovers(capture: Capture, body: BodyMap, positions: FloatArray) -> list[Rema
     over = float(lowest.min())
     if over < HOVERING_TAKE_HEIGHT or (len(below) == len(feet) and float(ankle.min()) < 2.5 * HOVERING_TAKE_HEIGHT):
         return []
-    return [Remark(f"The take hovers: its feet are {100.0 * over:.0f} cm above the floor at least. Check the floor.")]
+    return [
+        Remark(f"The capture floats: its feet are {100.0 * over:.0f} cm above the floor at least. Check the floor.")
+    ]
 
 
 def _frames(odd: NDArray[np.bool_], later: int) -> tuple[tuple[int, int], ...]:

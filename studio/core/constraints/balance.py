@@ -36,7 +36,7 @@ class BalanceConstraint(Constraint):
 
     kind: ClassVar[str] = "balance"
     shown: ClassVar[KindInfo] = KindInfo(
-        "Add balance constraint", "Keep the centre of mass where it is in the source motion", "#5FB5A8",
+        "Add balance constraint", "Keep the centre of mass where it is in the source capture", "#5FB5A8",
         held_by="place", handle="place", about="whole body",
     )  # fmt: skip
     place: tuple[float, float] | Place | Support | None = None

@@ -49,7 +49,7 @@ class UndoSwaps:
     """Undo swaps of labels between two markers, from the frame in which their tracks cross."""
 
     kind: Literal["undo_swaps"] = "undo_swaps"
-    title: ClassVar[str] = "Undo swaps"
+    title: ClassVar[str] = "Fix marker swaps"
 
     def apply(self, trial: Trial) -> tuple[Trial, StepReport]:
         """Trial in which each pair of swapped labels is exchanged from the frame in which their tracks cross."""
@@ -58,9 +58,9 @@ class UndoSwaps:
             f"{trial.labels[swap.first]} and {trial.labels[swap.second]} from frame {swap.frame} on" for swap in swaps
         ]
         if not swaps:
-            return trial, StepReport(self.title, "No two markers took each other's name.")
+            return trial, StepReport(self.title, "No swapped markers were found.")
         return trial.with_points(with_swaps_undone(trial.points, swaps)), _report(
-            self.title, f"{counted_noun(len(swaps), 'swap')} undone.", details
+            self.title, f"{counted_noun(len(swaps), 'swap')} fixed.", details
         )
 
 
@@ -74,13 +74,13 @@ class FillShortGaps:
     title: ClassVar[str] = "Fill short gaps"
 
     def __post_init__(self) -> None:
-        _positive(self.longest, "The longest gap to be splined")
+        _positive(self.longest, "The longest gap")
 
     def apply(self, trial: Trial) -> tuple[Trial, StepReport]:
         """Trial in which gaps of up to ``longest`` seconds with frames on both sides are filled."""
         most = int(self.longest * trial.frame_rate + 1e-9)
         gaps = [gap for gap in find_gaps(trial.points, _places(trial)) if gap.frames <= most]
-        return _filled(trial, self.title, gaps, spline_through, "on a spline")
+        return _filled(trial, self.title, gaps, spline_through, "with a spline")
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ class FillLongGaps:
             self.title,
             gaps,
             lambda points, gap: pattern_through(points, gap, known),
-            "as its neighbours move",
+            "from neighbouring markers",
         )
 
 
@@ -130,7 +130,8 @@ class LowPass:
         rate = trial.frame_rate
         if self.cutoff >= 0.45 * rate:
             return trial, StepReport(
-                self.title, f"Nothing: {rate:g} frames a second hold nothing above {0.45 * rate:g} Hz to be taken out."
+                self.title,
+                f"Nothing was smoothed: at {rate:g} frames per second there is no signal above {0.45 * rate:g} Hz.",
             )
         once = np.tan(np.pi * self.cutoff / rate) / (np.sqrt(2.0) - 1.0) ** 0.25
         corrected = rate / np.pi * np.arctan(once)
@@ -148,7 +149,7 @@ class LowPass:
                 points[first:end, place] = smooth
         summary = f"Smoothed at {self.cutoff:g} Hz; no marker moved more than {1000 * moved * trial.metres:.1f} mm."
         details = (
-            (f"{counted_noun(skipped, 'stretch', 'stretches')} of less than {least + 1} frames left as they were.",)
+            (f"{counted_noun(skipped, 'stretch', 'stretches')} of less than {least + 1} frames were not smoothed.",)
             if skipped
             else ()
         )

@@ -35,7 +35,7 @@ class MarkerMap:
         for given, known in ((self.markers, tuple(ROLES_BY_ID)), (self.centres, JOINTS)):
             unknown = [place for place in given if place not in known]
             if unknown:
-                raise StudioError(f"'{unknown[0]}' is not a place on a body. Places are {', '.join(known)}.")
+                raise StudioError(f"'{unknown[0]}' is not a body location. Body locations are {', '.join(known)}.")
         ordered = {role: tuple(self.markers[role]) for role in ROLES_BY_ID if self.markers.get(role)}
         object.__setattr__(self, "markers", MappingProxyType(ordered))
         object.__setattr__(self, "centres", MappingProxyType(dict(self.centres)))

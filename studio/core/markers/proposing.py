@@ -16,7 +16,7 @@ from studio.core.rotations import normalized
 
 FloatArray = NDArray[np.float64]
 
-PROPOSED_MAP_NAME = "proposed by names and places"
+PROPOSED_MAP_NAME = "proposed from marker names and positions"
 """Name of the proposed maps of unknown marker sets."""
 _ACROSS = 0.7
 """Cosine of the angle from straight across the body within which two markers are on either side of a joint."""

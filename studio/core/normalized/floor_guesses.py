@@ -8,7 +8,9 @@ from studio.core.normalized.normalize import captured_steps, sole_heights
 
 REPORTED_DRIFT_METRES = 0.01
 """Least drift in metres that is reported."""
-DRIFT_REASON = "As far apart lie the footprints of one foot. It is taken off when the motion is set on the ground."
+DRIFT_REASON = (
+    "Height between the highest and the lowest footprint of one foot. It is removed when the motion is retargeted."
+)
 STEPS_REASON = (
     "Its feet stand at several heights. Use steps as ground (--on-steps): every body then stands on these steps;"
     " until then only feet on the floor are contacts."

@@ -109,7 +109,7 @@ def motion_origin(capture: Capture) -> NDArray[np.float64]:
     Raises StudioError if the capture has no body map.
     """
     if capture.body_map is None:
-        raise StudioError(f"'{capture.name}' has no body map, so nobody knows where its motion begins.")
+        raise StudioError(f"'{capture.name}' has no body map, so the start position of its motion is unknown.")
     begin = capture.poses.frames(capture.first_frame, capture.first_frame)
     pelvis = joint_world(capture.skeleton, begin)[0][0, capture.body_map.spine[0]]
     return np.array([*pelvis[:2], capture.floor])

@@ -375,7 +375,9 @@ def targets_of(standing: GroundedMotion, constraints: Sequence[Constraint], wind
                     follow, track.in_frames(window), standing.positions[window], body.layout
                 )
             elif not isinstance(follow, FollowBody):
-                raise StudioError(f"'{constraint.name}' follows something that is not there. Choose what it follows.")
+                raise StudioError(
+                    f"'{constraint.name}' follows something that no longer exists. Choose another target."
+                )
         if isinstance(constraint, BalanceConstraint) and isinstance(constraint.place, Support):
             path = support_path(
                 standing.positions, standing.rotations, standing_mask(standing.contacts, motion.frame_count), body,

@@ -194,7 +194,7 @@ def _parents(name: str, lines: list[_Line] | None, bones: dict[str, _Bone]) -> d
                 raise StudioError(f"{line.where}: there is no bone called '{word[:40]}'. Correct that line.")
         for child in line.words[1:]:
             if child in parents or child == ASF_ROOT_NAME:
-                raise StudioError(f"{line.where}: '{child[:40]}' hangs there a second time. Correct that line.")
+                raise StudioError(f"{line.where}: '{child[:40]}' is parented a second time. Correct that line.")
             parents[child] = line.words[0]
     if not parents:
         raise StudioError(f"{name}: its :hierarchy names no bone. Choose a complete ASF file.")
@@ -213,7 +213,7 @@ def _joined(root: _Bone, bones: dict[str, _Bone], parents: dict[str, str], degre
         place = len(joints)
         bone = joint.bone
         if place >= 2 * _MOST_BONES:
-            raise StudioError(f"{bone.where}: more than {_MOST_BONES} bones hang there. Check the file.")
+            raise StudioError(f"{bone.where}: it has more than {_MOST_BONES} child bones. Check the file.")
         joints.append(joint)
         if joint.is_end:
             continue

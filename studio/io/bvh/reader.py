@@ -273,7 +273,7 @@ def _frame_time(name: str, header: _Header, repairs: list[str]) -> tuple[float |
     over, under = (under, over) if unit in ("hz", "fps") else (over, under * (1000.0 if unit.startswith("m") else 1.0))
     seconds = over / under if under else 0.0
     if not plain or not 1e-4 <= seconds <= 1.0:
-        repairs.append(f"{where}: Frame Time {text[:20]} cannot be true and was not used.")
+        repairs.append(f"{where}: Frame Time {text[:20]} is not valid and was not used.")
         return None, 0.0
     if plain[0] != text or plain["under"] or unit:
         repairs.append(f"{where}: Frame Time {text[:20]} was read as {seconds:.6g} s.")

@@ -199,9 +199,9 @@ def _scale(name: str, header: float, parameters: Parameters, repairs: list[str])
             repairs.append(f"{name}, byte 12: {what}; read as the header says.")
         return abs(header), header > 0.0
     if told is not None and 0.0 < abs(told) < _ABSURD:
-        repairs.append(f"{name}, byte 12: the scale {header:g} cannot be true; POINT:SCALE {told:g} was taken.")
+        repairs.append(f"{name}, byte 12: the scale {header:g} is not valid; POINT:SCALE {told:g} was taken.")
         return abs(told), told > 0.0
-    raise StudioError(f"{name}, byte 12: the scale of its points, {header:g}, cannot be true. Export it again.")
+    raise StudioError(f"{name}, byte 12: the scale of its points, {header:g}, is not valid. Export it again.")
 
 
 def _differ(header: float, parameter: float) -> bool:
@@ -229,7 +229,7 @@ def _frame_rate(name: str, header: float, parameters: Parameters, repairs: list[
         repairs.append(f"{name}, byte 20: the header says {header:g} Hz, POINT:RATE {told:g}; read as the header says.")
     elif header not in true:
         instead = "POINT:RATE" if true else "100 Hz"
-        repairs.append(f"{name}, byte 20: the frame rate {header:g} cannot be true; {instead} was taken.")
+        repairs.append(f"{name}, byte 20: the frame rate {header:g} is not valid; {instead} was taken.")
     return true[0] if true else 100.0
 
 

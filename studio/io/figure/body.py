@@ -132,7 +132,7 @@ def _body(figure: Figure, options: ImportOptions) -> _Body:
 def _body_of(figure: Figure, options: ImportOptions, hung: Figure, order: IntArray) -> _Body:
     parents = np.array(figure.parents)
     if not np.isfinite(figure.positions).all() or np.abs(figure.positions).max() > 1e9:
-        raise StudioError(f"{figure.source}: its joints are too far apart to be true. Export the file again.")
+        raise StudioError(f"{figure.source}: its joints are too far apart. Export the file again.")
     offsets = figure.positions - figure.positions[np.maximum(parents, 0)]
     offsets[0] = figure.positions[0]
     skeleton = Skeleton(figure.joint_names, parents, offsets, np.zeros(len(parents), dtype=bool))
@@ -211,7 +211,7 @@ def _find(figure: Figure, skeleton: Skeleton, options: ImportOptions) -> tuple[B
         )
     by_shape = body_by_shape(skeleton, figure.positions @ turn_to_world(figure.up).T, named_sides(skeleton))
     if by_shape is not None:
-        reason = "The names of its joints say nothing; legs reach lowest, arms widest, the head highest."
+        reason = "The names of its joints are unknown; legs reach lowest, arms widest, the head highest."
         return by_shape, Guess("body map", f"{len(by_shape.parts)} parts by shape", reason, Confidence.LIKELY)
     if _deepest(skeleton) < _LIMB_DEPTH:
         raise StudioError(f"{figure.source} {NO_SKELETON_MESSAGE}")

@@ -85,7 +85,7 @@ def _best_match(skeleton: Skeleton, positions: FloatArray, fixed: dict[BodyPart,
     limbs = {part: fixed.get(part) for parts in LIMB_PARTS.values() for part in parts}
     if all(limbs.values()):
         known = {part: joints[0] for part, joints in limbs.items() if joints}
-        return "the joints chosen", BodySearch(skeleton, positions).match_around_limbs(known, every)
+        return "the chosen joints", BodySearch(skeleton, positions).match_around_limbs(known, every)
     for most in (MOST_BONE_VARIATION, MOST_LOOSE_BONE_VARIATION):
         search = BodySearch(skeleton, positions, most)
         tries = [(family.name, search.best_match(_candidates(family, by_name) | fixed)) for family in naming_families()]
@@ -301,6 +301,6 @@ def _overruled(
 
 def _chosen_are_no_body(best: BodyMatch) -> StudioError:
     return StudioError(
-        f"With the joints chosen, no {' and no '.join(best.missing)} was found: the bones "
+        f"With the chosen joints, no {' and no '.join(best.missing)} was found: the bones "
         "must hang below each other and be alike on both sides. Choose others in the inspector, under Body map."
     )

@@ -47,7 +47,7 @@ def decoded_image(content: bytes, largest: int = LARGEST_SIDE_PIXELS) -> NDArray
                 shown.thumbnail((largest, largest))
                 return np.asarray(shown)
     except Image.DecompressionBombError as error:
-        raise ValueError("it claims more pixels than can be true") from error
+        raise ValueError("it declares more pixels than are supported") from error
     except UnidentifiedImageError as error:
         raise ValueError("it is neither PNG nor JPEG") from error
     except (OSError, SyntaxError, ArithmeticError, LookupError, TypeError, MemoryError) as error:

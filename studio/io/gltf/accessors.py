@@ -43,7 +43,7 @@ class Accessors:
         if missing:
             return np.where(believable, numbers, np.nan)
         if not believable.all():
-            raise StudioError(f"{record.where}: it holds a number that is not believable. Export the file again.")
+            raise StudioError(f"{record.where}: it contains a number that is out of range. Export the file again.")
         return numbers
 
     def indices(self, index: int, width: int, below: int) -> IntArray:

@@ -123,5 +123,5 @@ def row_of(text: str, where: str) -> FloatArray:
     except ValueError as error:
         raise StudioError(f"{where}: a number is not readable ({error}). Export the file again.") from error
     if row.size and not (np.abs(row) <= _ABSURD).all():
-        raise StudioError(f"{where}: it holds a number that is not believable. Export the file again.")
+        raise StudioError(f"{where}: it contains a number that is out of range. Export the file again.")
     return row

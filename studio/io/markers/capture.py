@@ -147,11 +147,11 @@ def _believable(take: MarkerTake, options: ImportOptions) -> tuple[TrackedBody |
     """Tracked body; None, and the reason, if it is not of human size, so that the map must be wrong."""
     followed = track_body(take)
     if not followed.joints:
-        return None, f"the map '{take.marker_map.name}' leaves a joint of every limb open"
+        return None, f"the marker map '{take.marker_map.name}' leaves a joint of every limb without markers"
     length = _limb_length(followed.joints)
     if length > 0.0 and (options.unit is not None or _LEG[0] < length < _LEG[1]):
         return followed, ""
-    return None, f"with the map '{take.marker_map.name}' the body would be {length / 0.491:.3g} m tall"
+    return None, f"with the marker map '{take.marker_map.name}' the body would be {length / 0.491:.3g} m tall"
 
 
 def _limb_length(joints: Mapping[str, FloatArray]) -> float:
@@ -252,7 +252,7 @@ def _body_guesses(
         Guess(
             "marker map",
             take.marker_map.name,
-            f"{counted_noun(len(used.labels), 'marker')} at {counted_noun(len(used.markers), 'place')}.",
+            f"{counted_noun(len(used.labels), 'marker')} at {counted_noun(len(used.markers), 'body location')}.",
             Confidence.LIKELY if take.marker_map.name == PROPOSED_MAP_NAME else Confidence.SURE,
         ),
         Guess(
@@ -275,7 +275,7 @@ def _body_guesses(
         guesses.append(_not_shown(take, used, solved.resting))
     subjects = sorted({subject_of(label) for label in take.trial.markers} - {""})
     if len(subjects) > 1:
-        reason = f"The file holds {', '.join(subjects)}. Choose under Markers whose body is read."
+        reason = f"The file holds {', '.join(subjects)}. Choose the subject under Edit > Markers."
         trust = Confidence.LIKELY if take.subject else Confidence.DOUBTFUL
         guesses.append(Guess("subject", take.subject or "all together", reason, trust))
     guesses += [
@@ -285,7 +285,7 @@ def _body_guesses(
     ]
     if first or followed.unseen:
         unseen = counted_noun(followed.unseen, "frame")
-        words = f"In {unseen} some place is not seen: it moves straight on as seen from the pelvis."
+        words = f"In {unseen} a body location is not visible: it is interpolated relative to the pelvis."
         guesses.append(Guess("first frame", str(first), words if followed.unseen else "", Confidence.SURE))
     if left_out := take.trial.frame_count - len(next(iter(followed.joints.values()))):
         reason = f"Of the {take.trial.frame_count} recorded, {left_out} at the end show no body and were left out."
@@ -296,7 +296,7 @@ def _body_guesses(
 def _far_off(off: Mapping[str, FloatArray]) -> str:
     """Clause about joints that are farther from their centres than skin moves; empty if there are none."""
     far = [joint.replace("_", " ") for joint, own in off.items() if len(own) and float(np.median(own)) > _SKIN]
-    return f" {', '.join(far).capitalize()} lie farther off most of the time." if far else ""
+    return f" {', '.join(far).capitalize()} are farther away most of the time." if far else ""
 
 
 def _side_guesses(take: MarkerTake) -> list[Guess]:
@@ -319,8 +319,8 @@ def _side_guesses(take: MarkerTake) -> list[Guess]:
     if not labels:
         return []
     shown = ", ".join(labels[:_SHOWN]) + (f" and {len(labels) - _SHOWN} more" if len(labels) > _SHOWN else "")
-    reason = f"{shown} carry the name of one side and move with the other: their labels are swapped, and put right."
-    return [Guess("sides", "left and right exchanged", reason, Confidence.LIKELY)]
+    reason = f"{shown} are named after one side and move with the other: their labels were swapped, and are corrected."
+    return [Guess("sides", "left and right swapped, corrected", reason, Confidence.LIKELY)]
 
 
 def _end_guesses(take: MarkerTake) -> list[Guess]:
@@ -329,7 +329,10 @@ def _end_guesses(take: MarkerTake) -> list[Guess]:
     limbs = exchanged_on_limbs(take.trial, take.marker_map, take.subject)
     if there := sorted({*ends, *limbs}):
         shown = ", ".join(role.replace("_", " ") for role in there)
-        reason = f"The markers at {shown} lie as if their labels were exchanged. Check the map under Markers."
+        reason = (
+            f"The markers at {shown} are placed as if their labels were swapped."
+            " Check the marker map under Edit > Markers."
+        )
         return [Guess("places", "as the map says", reason, Confidence.DOUBTFUL)]
     labels = sorted(
         label
@@ -341,8 +344,11 @@ def _end_guesses(take: MarkerTake) -> list[Guess]:
     if not labels:
         return []
     shown = ", ".join(labels[:_SHOWN]) + (f" and {len(labels) - _SHOWN} more" if len(labels) > _SHOWN else "")
-    reason = f"{shown} lie at each other's places all through the take: their labels are exchanged, and put right."
-    return [Guess("places", "exchanged labels put right", reason, Confidence.LIKELY)]
+    reason = (
+        f"{shown} are at each other's body locations in the whole capture:"
+        " their labels were swapped, and are corrected."
+    )
+    return [Guess("places", "swapped labels corrected", reason, Confidence.LIKELY)]
 
 
 def _not_shown(take: MarkerTake, used: MarkerMap, resting: Sequence[str]) -> Guess:
@@ -352,18 +358,18 @@ def _not_shown(take: MarkerTake, used: MarkerMap, resting: Sequence[str]) -> Gue
     for part in resting:
         if part == "head":
             sentences.append(
-                f"The head needs markers at three places and has {sum(role in there for role in HEAD_MARKERS)}."
+                f"The head needs markers at three body locations and has {sum(role in there for role in HEAD_MARKERS)}."
             )
             continue
         places = [f"{side}_{joint}" for joint in _PLACES[part] for side in SIDE_WORDS]
         lacking = [ROLES_BY_ID[place].words.partition(",")[0].lower() for place in places if place not in there]
         lack = f"The {part} lack markers at {', '.join(lacking)}."
-        sentences.append(lack if lacking else f"The {part} cannot be told from the markers at their places.")
+        sentences.append(lack if lacking else f"The {part} cannot be solved from their markers.")
     known = used.labels | set(used.centres.values())
     unused = [bare for bare in seen_labels(take.trial, take.subject).values() if bare not in known]
     more = f" and {len(unused) - _SHOWN} more" if len(unused) > _SHOWN else ""
-    beside = f" At no place of the map: {', '.join(unused[:_SHOWN])}{more}." if unused else ""
-    words = f"{' '.join(sentences)} What is not shown stays in a plain rest.{beside}"
+    beside = f" Not in the marker map: {', '.join(unused[:_SHOWN])}{more}." if unused else ""
+    words = f"{' '.join(sentences)} Parts that are not shown stay in the rest pose.{beside}"
     return Guess("not shown", " and ".join(resting), words, Confidence.DOUBTFUL)
 
 
@@ -410,7 +416,7 @@ def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list
             "marker map",
             "not complete",
             f"The file holds {_contents(trial, len(labels))}. Which markers are which is not known: {lacking}. "
-            "Say it under Markers; the map can be saved and used again.",
+            "Assign them under Edit > Markers; the map can be saved and used again.",
             Confidence.DOUBTFUL,
         ),
         Guess(

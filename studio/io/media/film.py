@@ -65,7 +65,7 @@ class FilmEncoder:
         wait_for(self._process, alive)
         if _frames_in(self._part) != frames:
             raise StudioError(
-                f"'{self._path}' could not be written whole. Make room on the disk or choose another one."
+                f"'{self._path}' could not be written completely. Make room on the disk or choose another one."
             )
 
 

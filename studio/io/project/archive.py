@@ -165,7 +165,7 @@ def _repacked(path: Path, content: bytes) -> dict[str, bytes]:
         return unzipped_members(content, 20 * len(content) + _SPARE_BYTES)
     except UnpacksTooFarError as error:
         raise StudioError(
-            f"'{path.name}' {error}, and a project is not that much smaller when it is packed. Ask whom it comes from"
+            f"'{path.name}' {error}, and a project is not that much smaller when it is packed. Ask its author"
             " for the file as it was saved."
         ) from error
     except ValueError:

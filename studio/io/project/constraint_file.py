@@ -129,7 +129,7 @@ def constraint_of(record: Json, motion_id: str, where: str) -> Constraint:
     if strange := _paths({k: v for k, v in unknown_fields(record, kind.value).items() if k not in _IDS}):
         raise StudioError(f"{where}: '{strange[0]}' is not known here. Correct its name.")
     if large := too_large(record):
-        raise StudioError(f"{where}, {large} is too large to be true. Lengths are metres, times seconds.")
+        raise StudioError(f"{where}, {large} is out of range. Lengths are metres, times seconds.")
     try:
         found = entity_of("constraints", {**_USUAL, **record, "motion_id": motion_id}, _no_member)
     except (ValueError, TypeError) as error:

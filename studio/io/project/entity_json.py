@@ -309,7 +309,7 @@ def _refuse_constant(name: str) -> None:
 def _finite(text: str) -> float:
     number = float(text)
     if not math.isfinite(number):
-        raise ValueError(f"{text} is too large to be true")
+        raise ValueError(f"{text} is out of range")
     return number
 
 

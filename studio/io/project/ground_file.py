@@ -33,7 +33,7 @@ def read_ground(path: Path) -> Ground:
     if strange := sorted(unknown_fields(record, kind).keys() - _HEADER):
         raise StudioError(f"{path}: '{strange[0]}' is not known here. Correct its name.")
     if large := too_large(record):
-        raise StudioError(f"{path}, {large} is too large to be true. Lengths are metres, angles radians.")
+        raise StudioError(f"{path}, {large} is out of range. Lengths are metres, angles radians.")
     try:
         ground = entity_of("grounds", record, _no_member)
     except (ValueError, TypeError) as error:

@@ -157,7 +157,7 @@ def _array(record: Json, hint: Any, members: MemberCodec) -> Array:
         with np.errstate(over="raise"):
             array = np.array(record, dtype=kind)
     except (TypeError, OverflowError, FloatingPointError) as error:
-        raise ValueError("numbers expected, none of them too large to be true.") from error
+        raise ValueError("numbers expected, none of them out of range.") from error
     array.setflags(write=False)
     return array
 
@@ -217,7 +217,7 @@ def _plain(record: Json, hint: Any) -> Any:
         try:
             return float(record)
         except OverflowError as error:
-            raise ValueError("a number expected that is not too large to be true.") from error
+            raise ValueError("a number expected that is not out of range.") from error
     if hint is int:
         return _checked(record, isinstance(record, int) and not isinstance(record, bool), "a whole number")
     return _checked(record, isinstance(record, hint), f"of type {hint.__name__}")

@@ -156,7 +156,7 @@ def _array(content: bytes, name: str, path: Path) -> FloatArray:
     if numbers.ndim > 3:
         raise _damaged(path, f"'{name}': its header does not fit its content.")
     if not (np.abs(numbers) <= _LARGEST).all():  # NaN is not either
-        raise _damaged(path, f"'{name}' holds a number that is not finite or too large to be true.")
+        raise _damaged(path, f"'{name}' holds a number that is not finite or out of range.")
     return np.ascontiguousarray(numbers, dtype=np.float64)
 
 
@@ -184,7 +184,7 @@ def _actor(record: _Actor, motion: NormalizedMotion, arrays: dict[str, FloatArra
         if array.shape != shape:
             raise ValueError(f"{name} of shape {shape} expected, not {array.shape}.")
         if not (np.abs(array) <= _LARGEST).all():
-            raise ValueError(f"{name}: a number is too large to be true.")
+            raise ValueError(f"{name}: a number is out of range.")
     if (np.linalg.norm(record.alignments, axis=1) < 0.5).any() or record.segment_joints[0] < 0:
         raise ValueError("alignments and the pelvis' joint must be there.")
     ends = np.zeros(joints, dtype=bool)
@@ -259,7 +259,7 @@ def _refuse(name: str) -> None:
 def _finite(text: str) -> float:
     number = float(text)
     if not abs(number) <= 1e300:
-        raise ValueError(f"{text[:20]} is too large")
+        raise ValueError(f"{text[:20]} is out of range")
     return number
 
 

@@ -88,7 +88,7 @@ class MannerSection(Section):
             lambda on: self._set(activation=ACTIVE_WHOLE_CLIP if on else DEFAULT_REACH_ACTIVATION)
         )
         self.add_row("Active", self._always)
-        for label, names in (("Ease in (s)", ACTIVATION_TIMES[:2]), ("Ease out (s)", ACTIVATION_TIMES[2:])):
+        for label, names in (("Fade in (s)", ACTIVATION_TIMES[:2]), ("Fade out (s)", ACTIVATION_TIMES[2:])):
             fields = [
                 NumberField(f"{label} {name.replace('_', ' ')}", "", -MANNER_LIMIT, MANNER_LIMIT, 0.05)
                 for name in names

@@ -21,12 +21,12 @@ class ActivationSection(Section):
         self._shown_clip: Clip | None = None
         self._start = editor.bind(self._seconds("Start"), self._set_start)
         self._end = editor.bind(self._seconds("End"), self._set_end)
-        self._ease_in = editor.bind(self._seconds("Ease in"), self._set_ease_in)
-        self._ease_out = editor.bind(self._seconds("Ease out"), self._set_ease_out)
+        self._ease_in = editor.bind(self._seconds("Fade in"), self._set_ease_in)
+        self._ease_out = editor.bind(self._seconds("Fade out"), self._set_ease_out)
         self._shape = Segments("Interpolation", [(shape, shape.value) for shape in EaseShape])
         self._shape.value_chosen.connect(self._set_shape)
         self.add_row("From / to (s)", self._start, self._end)
-        self.add_row("Ease in / out (s)", self._ease_in, self._ease_out)
+        self.add_row("Fade in / out (s)", self._ease_in, self._ease_out)
         self.add_row("Interpolation", self._shape)
 
     def _seconds(self, name: str) -> NumberField:
@@ -86,12 +86,12 @@ class ActivationSection(Section):
     def _set_ease_in(self, seconds: float) -> None:
         curve = self._editor.entity.activation
         full = self._in_motion(self._on_stage(curve.start) + seconds)
-        self._change("Set ease in", full=min(full, curve.full_end))
+        self._change("Set fade in", full=min(full, curve.full_end))
 
     def _set_ease_out(self, seconds: float) -> None:
         curve = self._editor.entity.activation
         full_end = self._in_motion(self._on_stage(curve.end) - seconds)
-        self._change("Set ease out", full_end=max(full_end, curve.full))
+        self._change("Set fade out", full_end=max(full_end, curve.full))
 
     def _set_shape(self, shape: EaseShape) -> None:
         editor = self._editor

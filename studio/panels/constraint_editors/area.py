@@ -157,7 +157,7 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
 
     def _key_tilt(self, keyed: bool) -> None:
         tilt = self._tilt_now()
-        words = "Key tilt of" if keyed else "Remove keys of the tilt of"
+        words = "Key tilt of" if keyed else "Delete keys of the tilt of"
         self._set(words, tilt=KeyedTurn((self._tilt_keys.now,), (tilt,)) if keyed else tilt)
 
     def _set_heading(self, degrees: float) -> None:

@@ -128,10 +128,10 @@ class ConstraintEditor(Editor[ConstraintT_co], Generic[ConstraintT_co]):
         self._point.show_value((point.part, point.at_end))
 
     def _ask(self, scope: Scope) -> None:
-        self.change(f"Set scope of {self.entity.name}", scope=scope)
+        self.change(f"Set 'Applies to' of {self.entity.name}", scope=scope)
 
     def _set_enabled(self, enabled: bool) -> None:
-        self.change(f"Turn {'on' if enabled else 'off'} {self.entity.name}", enabled=enabled)
+        self.change(f"{'Enable' if enabled else 'Disable'} {self.entity.name}", enabled=enabled)
 
     def _set_point(self, choice: tuple[BodyPart, bool]) -> None:
         point = BodyPoint(choice[0], at_end=choice[1])

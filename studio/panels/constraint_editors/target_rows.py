@@ -77,7 +77,9 @@ class TargetRows:
         self._spot.value_chosen.connect(self._choose_spot)
         self._spot_caption = section.add_row("Attach at", self._spot)
         self._awaits = check_box("Anticipate target")
-        self._awaits.setToolTip("The point moves to intercept the target instead of chasing it.")
+        self._awaits.setToolTip(
+            "The point goes to where the target will be when the constraint is fully active, instead of chasing it."
+        )
         self._awaits.clicked.connect(lambda on: self._change(replace(self.target, awaits=on), "Anticipate target"))
         self._awaits_caption = section.add_row("Anticipation", self._awaits)
         self._each = check_box("Each character")
@@ -431,7 +433,7 @@ class NumberRows:
 
     def _toggle(self, keyed: bool) -> None:
         value = KeyedNumber((self._keys.now,), (self.current_number,)) if keyed else self.current_number
-        text = f"{'Key' if keyed else 'Remove keys of the'} {self._field} of {self._editor.entity.name}"
+        text = f"{'Key' if keyed else 'Delete keys of the'} {self._field} of {self._editor.entity.name}"
         self._editor.change(text, **{self._field: value})
 
 

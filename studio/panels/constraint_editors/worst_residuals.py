@@ -40,10 +40,10 @@ class BodyResidual:
         if self.worst is None:
             return self.inactive, self.inactive.colour
         if self.worst.is_invisible:
-            return "held", colours.mixed_colour(colours.HELD, colours.TEXT, 0.35)
+            return "met", colours.mixed_colour(colours.HELD, colours.TEXT, 0.35)
         if self.worst.is_hardly_visible:
-            return "partly held", colours.PARTLY
-        return "not reached", colours.NOT_REACHED
+            return "partly met", colours.PARTLY
+        return "not met", colours.NOT_REACHED
 
 
 def residuals_of(project: Project, live: Live, constraint_id: str) -> list[BodyResidual]:
@@ -144,7 +144,7 @@ class ResidualTable(QWidget):
 def words_of(residual: BodyResidual) -> str:
     """Residual as text: ``not reached, 42 mm at 23``, or that the constraint is met or inactive."""
     word, _ = residual.state
-    if residual.worst is None or word == "held":
+    if residual.worst is None or word == "met":
         return word
     remark = f", {residual.worst.remark}" if residual.worst.remark else ""
     return f"{word}, {residual.worst.text} at {residual.worst.stage_frame}{remark}"
@@ -159,7 +159,7 @@ def short_words_of(residual: BodyResidual) -> str:
         return "…"
     if residual.worst is None:
         return residual.inactive.short
-    if word == "held":
+    if word == "met":
         return word
     return f"{residual.worst.text}{'*' if residual.worst.remark else ''}"
 

@@ -94,7 +94,7 @@ class MoveClips(ClipGesture):
 
     def __init__(self, shown: RowContext, clip_id: str, press: QPointF) -> None:
         super().__init__(shown, clip_id, press)
-        self.text = f"Shift {self.words}"
+        self.text = f"Move {self.words}"
 
     def drag(self, position: QPointF, free: bool) -> None:
         """Move all dragged clips by the displacement of the grabbed one."""

@@ -43,7 +43,7 @@ class MoveCorrection(EditGesture[Correction]):
 
     def __init__(self, shown: RowContext, entity_id: str, press: QPointF) -> None:
         super().__init__(shown, entity_id, press)
-        self.text = f"Shift {self.words}"
+        self.text = f"Move {self.words}"
 
     def update(self, position: QPointF, free: bool) -> None:
         """Move all times by the displacement of the mouse."""

@@ -260,7 +260,7 @@ def residual_text(shown: RowContext, constraint_id: str) -> tuple[str, str]:
         eases = any(strip.misses for strip in strips if strip)
         which = "all" if acting == len(strips) else f"{acting} of {len(strips)}"
         on = f" on {which} characters" if len(strips) > 1 else ""
-        return f"held{on}{' at full activation' if eases else ''}", colours.TEXT_THIRD
+        return f"met{on}{' at full activation' if eases else ''}", colours.TEXT_THIRD
     worst, name = max(missed, key=lambda each: each[0].weight)
     text = f"{name} {worst.text} at {frame_words(worst.stage_frame, worst.frame)}"
     colour = (

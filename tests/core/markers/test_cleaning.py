@@ -42,7 +42,7 @@ def test_a_cubic_path_is_splined_exactly(first: int, length: int, seed: int) -> 
     first += 8
     cleaned, report = FillShortGaps().apply(_with_gap(truth, "a", first, first + length - 1))
     np.testing.assert_allclose(cleaned.points, truth.points, atol=1e-9)
-    assert f"1 gap filled on a spline, {length} frame" in report.summary
+    assert f"1 gap filled with a spline, {length} frame" in report.summary
 
 
 @pytest.mark.parametrize(("length", "most"), [(5, 0.001), (15, 0.01)])
@@ -118,7 +118,7 @@ def test_a_cutoff_beyond_the_frame_rate_changes_nothing_and_says_so() -> None:
     truth, _ = made_trial(("left_knee",))
     same, report = LowPass(cutoff=60.0).apply(truth)
     assert same is truth
-    assert report.summary == "Nothing: 100 frames a second hold nothing above 45 Hz to be taken out."
+    assert report.summary == "Nothing was smoothed: at 100 frames per second there is no signal above 45 Hz."
 
 
 def _exchanged(trial: Trial, one: str, other: str, first: int, last: int) -> Trial:
@@ -150,7 +150,7 @@ def test_in_a_clean_trial_nothing_is_exchanged() -> None:
     truth, _ = made_trial()
     same, report = UndoSwaps().apply(truth)
     assert same is truth
-    assert report.summary == "No two markers took each other's name."
+    assert report.summary == "No swapped markers were found."
 
 
 @pytest.mark.parametrize(("label", "first", "last"), [("RTH3", 100, 130), ("LSK4", 240, 265), ("PV1", 180, 200)])
@@ -168,7 +168,7 @@ def test_a_swap_put_into_a_real_walk_is_found_and_nothing_else(captures: Path, o
     truth = read_c3d(captures / "c3d" / "btk_PiG_FullBody_walk.c3d").trial
     mended, report = UndoSwaps().apply(_exchanged(truth, one, other, 90, 170))
     assert np.array_equal(mended.points, truth.points, equal_nan=True)
-    assert report.summary == "2 swaps undone."
+    assert report.summary == "2 swaps fixed."
 
 
 # Markers that jump are found with their frames; those that a body moves are not, however hard it strikes.

@@ -105,7 +105,7 @@ def _perform(
 def _result(project: Project, done: Mapping[str, Performance], leader: str) -> AdaptedMotion:
     """Adapted motion of a ``leader`` that has been solved before."""
     if leader not in done:
-        raise StudioError(f"It follows '{project.performers[leader].name}', who could not be adapted.")
+        raise StudioError(f"It follows '{project.performers[leader].name}', which could not be adapted.")
     return done[leader].adapted
 
 
@@ -122,7 +122,7 @@ def player_of(
     """
     performer = project.performers[performer_id]
     if not performer.clips or project.missing_references(performer):
-        raise StudioError(f"'{performer.name}' plays nothing, or its motion has been removed.")
+        raise StudioError(f"'{performer.name}' has no clip, or the capture of its clip has been removed.")
     composite = composite_of(project, performer_id, lambda motion_id: motion_of(project, motion_id, prepare))
     request = unconstrained_request(project, performer_id, composite, prepare)
     constraints = constraints_in(
