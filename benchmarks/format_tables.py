@@ -111,7 +111,7 @@ def table(rows: list[Row]) -> str:
     titles = ("capture", "frames", *(suffix[1:].upper() for suffix in SUFFIXES), "S4D degrees", "S4D size")
     lines = [titles, ("---", *("---:" for _ in titles[1:]))]
     lines += [(row.name, str(row.frames), *_figures(row.errors, row.degrees, row.size)) for row in rows]
-    worst = [max(row.errors[place] for row in rows) for place in range(len(SUFFIXES))]
+    worst = [max(row.errors[index] for row in rows) for index in range(len(SUFFIXES))]
     figures = _figures(worst, max(row.degrees for row in rows), max(row.size for row in rows))
     lines.append((f"**worst of {len(rows)}**", "", *(f"**{figure}**" for figure in figures)))
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)

@@ -101,8 +101,8 @@ def far(standing: GroundedMotion, joint: BodyJoint, row: int, way: FloatArray) -
     return _position(joint, body_point_positions(joint.point, before)[row] + way, times)
 
 
-def _position(joint: BodyJoint, place: FloatArray, times: ActivationCurve) -> PositionConstraint:
-    target = (float(place[0]), float(place[1]), float(place[2]))
+def _position(joint: BodyJoint, position: FloatArray, times: ActivationCurve) -> PositionConstraint:
+    target = (float(position[0]), float(position[1]), float(position[2]))
     return PositionConstraint(ADAPTED_MOTION_ID, joint.name, joint.point, joint.chain, 0, times, target=target)
 
 

@@ -76,7 +76,7 @@ def _shown(library: Library, guard: MotionPiece, body: Morphology, place: tuple[
 
 
 def _draw(every: Sequence[Shown], file: Path) -> None:
-    bodies = "".join(f'<g transform="translate({WIDE * place})">{_one(one)}</g>' for place, one in enumerate(every))
+    bodies = "".join(f'<g transform="translate({WIDE * index})">{_one(one)}</g>' for index, one in enumerate(every))
     size = f'width="{WIDE * len(every)}" height="{HIGH}"'
     style = f"path{{fill:none;stroke-width:4;stroke-linecap:round}}text{{font:13px sans-serif;fill:{FOUND}}}"
     file.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {size}><style>{style}</style>{bodies}</svg>\n')

@@ -125,7 +125,7 @@ def in_the_window(path: Path, folder: Path) -> str:
     freeze_loaded_objects(window)
     run_window(2000)
     # The other bodies come while the first is there already: they are waited for at once.
-    rows = [measured(*deed, LISTENED if place else 0) for place, deed in enumerate(deeds(window, path, folder))]
+    rows = [measured(*deed, LISTENED if index else 0) for index, deed in enumerate(deeds(window, path, folder))]
     window.close_without_saving()
     return table(("in the window", "seconds", "of one processor", "longest silence, ms", "at second"), rows)
 

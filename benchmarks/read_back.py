@@ -82,7 +82,7 @@ def _of_csv(path: Path) -> Places:
 def _of_c3d(path: Path) -> Places:
     trial = read_c3d(path).trial
     points = trial.points @ FILE_AXES["Z"].T / 1000.0
-    return {label: points[:, place] for place, label in enumerate(trial.labels)}
+    return {label: points[:, index] for index, label in enumerate(trial.labels)}
 
 
 def _of_npz(path: Path) -> Places:

@@ -184,10 +184,10 @@ def main(arguments: Sequence[str]) -> int:
     """Measure and print; ``--each`` every scene, and a number the seeds of each clip."""
     seeds = next((int(each) for each in arguments if each.isdigit()), 3)
     bodies, results = list(bundled_characters()), []
-    for place, (name, ready) in enumerate(clips().items()):
+    for index, (name, ready) in enumerate(clips().items()):
         motion, contacts = clip_of(ready, LONGEST)
         for seed in range(seeds):
-            body = bodies[(place + seed) % len(bodies)]
+            body = bodies[(index + seed) % len(bodies)]
             standing = ground_motion(motion, bundled_characters()[body].morphology, contacts, Ground())
             found = measure(f"{name} {body}", standing, seed, worst_cost(ready, body))
             results += found

@@ -99,11 +99,11 @@ def prepared_stage(characters: Mapping[str, Character]) -> Project:
         for number in range(CHARACTERS[-1])
     }
     constraints = {
-        f"wish {place}": PositionConstraint(
-            "walk", f"Hand {place}", wrist, Chain(trunk=0.3), 0, ActivationCurve(2.0, 2.3, 6.0, 6.2),
+        f"wish {index}": PositionConstraint(
+            "walk", f"Hand {index}", wrist, Chain(trunk=0.3), 0, ActivationCurve(2.0, 2.3, 6.0, 6.2),
             target=OwnPlace(wrist, 2.2, (0.1, 0.0, 0.15)),
         )
-        for place, wrist in enumerate(WRISTS)
+        for index, wrist in enumerate(WRISTS)
     }  # fmt: skip
     return Project(stuff.captures, stuff.motions, characters, performers, constraints, stuff.contacts)
 

@@ -130,10 +130,10 @@ class Watch:
 
     def write_film(self) -> None:
         """All pictures that were kept, a file each."""
-        for place, picture in enumerate(self._kept):
+        for index, picture in enumerate(self._kept):
             assert self._film is not None
             self._film.mkdir(parents=True, exist_ok=True)
-            picture.save(str(self._film / f"{place:04}.png"))
+            picture.save(str(self._film / f"{index:04}.png"))
 
     def _rows_painted(self, *arguments: Any) -> None:
         self._paint_rows(*arguments)

@@ -31,7 +31,7 @@ def main(arguments: list[str]) -> None:
     kept = Project(
         captures={sample.SAMPLE_MOTION_ID: capture},
         motions={sample.SAMPLE_MOTION_ID: Motion(capture.name, sample.SAMPLE_MOTION_ID)},
-        contacts={f"contact {place}": contact for place, contact in enumerate(contacts)},
+        contacts={f"contact {index}": contact for index, contact in enumerate(contacts)},
     )
     write_project(folder / sample.SAMPLE_PROJECT, kept, sample.SAMPLE_MOTION_ID)
     project = project_of_capture(capture, contacts, bundled_characters(), sample.SAMPLE_MOTION_ID)

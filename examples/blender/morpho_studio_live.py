@@ -76,9 +76,9 @@ def messages(packet: bytes) -> Iterator[tuple[str, list[object]]]:
     yield address, values
 
 
-def _text(packet: bytes, place: int) -> tuple[str, int]:
-    end = packet.index(b"\0", place)
-    return packet[place:end].decode("ascii"), place + 4 * ((end - place) // 4 + 1)  # padded to a multiple of four
+def _text(packet: bytes, index: int) -> tuple[str, int]:
+    end = packet.index(b"\0", index)
+    return packet[index:end].decode("ascii"), index + 4 * ((end - index) // 4 + 1)  # padded to a multiple of four
 
 
 def bones_in(packet: bytes) -> dict[str, tuple[Vector, Quaternion]]:
@@ -131,17 +131,17 @@ def to_t_pose(armature: bpy.types.Object, bones: Mapping[str, str]) -> dict[str,
             tip = armature.data.bones[end].head_local if end else bone.tail_local
             turns[f"{side}{name}"] = (world @ (tip - bone.head_local)).rotation_difference(aim)
         hand = turns.get(f"{side}Hand", Quaternion())
-        for place, name in enumerate(FINGERS):
+        for index, name in enumerate(FINGERS):
             if (own := bones.get(f"{side}{name}")) is None:
                 continue
             bone, end = (
                 armature.data.bones[own],
-                None if place % 3 == 2 else bones.get(f"{side}{[*FINGERS][place + 1]}"),
+                None if index % 3 == 2 else bones.get(f"{side}{[*FINGERS][index + 1]}"),
             )
             tip = armature.data.bones[end].head_local if end else bone.tail_local
             along = hand @ (world @ (tip - bone.head_local))
             straight = Vector((along.x, along.y, 0.0))  # in the plane of the palm; thumbs are as at rest
-            turns[f"{side}{name}"] = (Quaternion() if place < 3 else along.rotation_difference(straight)) @ hand
+            turns[f"{side}{name}"] = (Quaternion() if index < 3 else along.rotation_difference(straight)) @ hand
     return turns
 
 

@@ -64,14 +64,14 @@ SHIFT = {
 """Forward and left of the middle of both feet, in the body's own heading: the weight shift before the first step."""
 
 
-def _pelvis(times: FloatArray, place: FloatArray) -> FloatArray:
+def _pelvis(times: FloatArray, position: FloatArray) -> FloatArray:
     shift = curve(times, SHIFT, soft=0.12)
     shift += np.stack([0.005 * drift(times, 14, 3.3), 0.007 * drift(times, 1)], axis=1)
-    heading = np.radians(place[:, 2])
+    heading = np.radians(position[:, 2])
     forward = np.stack([np.cos(heading), np.sin(heading)], axis=1)
     left = np.stack([-forward[:, 1], forward[:, 0]], axis=1)
     height = STANDING - 0.036 + 0.025 * WALK.rise(times) + curve(times, SINK, soft=0.08) + 0.0015 * drift(times, 9)
-    return np.column_stack([place[:, :2] + shift[:, :1] * forward + shift[:, 1:] * left, height])
+    return np.column_stack([position[:, :2] + shift[:, :1] * forward + shift[:, 1:] * left, height])
 
 
 SINK = {

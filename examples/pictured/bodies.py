@@ -79,8 +79,8 @@ def bodies() -> QImage:
     return _drawn(shown, np.radians(-40.0), 1.45, 2.35)
 
 
-def _position(part: BodyPart, place: FloatArray, priority: int) -> PositionConstraint:
-    target = (float(place[0]), float(place[1]), float(place[2]))
+def _position(part: BodyPart, position: FloatArray, priority: int) -> PositionConstraint:
+    target = (float(position[0]), float(position[1]), float(position[2]))
     return PositionConstraint(
         ADAPTED_MOTION_ID, part.label, BodyPoint(part, at_end=True), REACHING, priority, ALWAYS, target=target
     )

@@ -181,8 +181,8 @@ def _middle(image: QImage) -> QImage:
 def _side_by_side(images: list[QImage]) -> QImage:
     whole = QImage(len(images) * TILE.width(), TILE.height(), QImage.Format.Format_RGB32)
     with QPainter(whole) as painter:
-        for place, image in enumerate(images):
-            painter.drawImage(place * TILE.width(), 0, image)
+        for index, image in enumerate(images):
+            painter.drawImage(index * TILE.width(), 0, image)
     return whole
 
 

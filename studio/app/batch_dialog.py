@@ -83,10 +83,10 @@ class BatchDialog(QDialog):
         grid.setContentsMargins(0, 0, 0, 0)
         names = [(key, character.name) for key, character in bundled_characters().items()]
         self.characters = {key: QCheckBox(text) for key, text in (*names, ACTOR_CHOICE)}
-        for place, (key, check) in enumerate(self.characters.items()):
+        for index, (key, check) in enumerate(self.characters.items()):
             check.setChecked(key != ACTOR_CHOICE[0])
             check.toggled.connect(self._refresh)
-            grid.addWidget(check, place // 2, place % 2)
+            grid.addWidget(check, index // 2, index % 2)
         box.setLayout(grid)
         section.add_wide(box)
         return section

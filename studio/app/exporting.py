@@ -32,12 +32,12 @@ def export(bench: Workbench, paths: dict[str, Path], options: ExportOptions | No
         progress(0.0, "Adapting")
         made = stage_performances(project)
         each_share = (1.0 - ADAPTING_FRACTION) / len(paths)
-        for place, (key, path) in enumerate(paths.items()):
+        for index, (key, path) in enumerate(paths.items()):
             if key not in made.performances:
                 reason = made.failures.get(key, "Add a clip to it first.")
                 raise StudioError(f"{project.performers[key].name} cannot be exported. {reason}")
             take = take_of_performer(project, key, made.performances[key], along=chosen.carries(path))
-            begun = ADAPTING_FRACTION + place * each_share
+            begun = ADAPTING_FRACTION + index * each_share
             write_take(chosen.applied_to(take, path), path, partial_progress(progress, begun, each_share))
         return list(paths.values())
 

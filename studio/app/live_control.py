@@ -230,10 +230,10 @@ class LiveControl:
         """Name and pose on the stage of each visible character."""
         _, _, posed = displayed_stage(self.bench.document, self.bench.live)
         bodies = []
-        for place, pose in enumerate(posed.values()):
+        for index, pose in enumerate(posed.values()):
             turned = pose.placement.rotation @ pose.motion.rotations[pose.row]
             body, fingers = pose.motion.morphology_at(pose.row), pose.streamed_fingers
-            streamed = StreamedPose(self._out_port + place, pose.points, turned, body, fingers)
+            streamed = StreamedPose(self._out_port + index, pose.points, turned, body, fingers)
             bodies.append((pose.performer.name, streamed))
         return bodies
 

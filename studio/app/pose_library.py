@@ -97,7 +97,7 @@ class PoseLibrary:
     def _list(self, current: Path | None = None) -> int:
         """Show the poses of the folder in the list. Returns the row of the file ``current``, or -1."""
         self._saved, problems = read_poses(self._folder)
-        row = next((place for place, each in enumerate(self._saved) if each.path == current), -1)
+        row = next((index for index, each in enumerate(self._saved) if each.path == current), -1)
         listed = [(each.name, QIcon(QPixmap.fromImage(pose_picture(each.pose)))) for each in self._saved]
         self.panel.show_poses(listed, problems, row)
         return row

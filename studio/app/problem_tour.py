@@ -51,7 +51,7 @@ class ProblemTour(QObject):
             self._at = None
             self._bench.inform(NO_PROBLEMS_MESSAGE, until=Lifetime.EDITED)
             return
-        places = {each.key: place for place, each in enumerate(problems)}
+        places = {each.key: index for index, each in enumerate(problems)}
         at = places.get(self._at) if self._at is not None else None
         self._go_to(problems, 0 if at is None else (at + step) % len(problems))
 

@@ -113,7 +113,7 @@ class TopBar(QWidget):
 
     def _room(self) -> int:
         """Pixels that remain for the search field."""
-        others = (self._row.itemAt(place) for place in range(self._row.count() - 1))
+        others = (self._row.itemAt(index) for index in range(self._row.count() - 1))
         taken = sum(item.sizeHint().width() + self._row.spacing() for item in others if item is not None)
         margins = self._row.contentsMargins()
         return self.width() - taken - margins.left() - margins.right()

@@ -193,8 +193,8 @@ def _follow(target: str) -> FollowTracked:
     return FollowTracked(target)
 
 
-def _track(places: FloatArray) -> Track:
-    return Track(places, np.eye(3)[None])
+def _track(positions: FloatArray) -> Track:
+    return Track(positions, np.eye(3)[None])
 
 
 def _position(part: BodyPart, target: str, chain: Chain, priority: int) -> PositionConstraint:

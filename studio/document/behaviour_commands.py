@@ -121,7 +121,7 @@ def remove_parts(document: EditedProject, states: Iterable[str], transitions: It
     names, places = set(states), set(transitions)
     with document.group(text):
         for key, behaviour in document.project.behaviours.items():
-            own = {place for place in range(len(behaviour.transitions)) if transition_key(key, place) in places}
+            own = {index for index in range(len(behaviour.transitions)) if transition_key(key, index) in places}
             gone = {each.name for each in behaviour.states if state_key(key, each.name) in names}
             if own:
                 edit_behaviour(document, key, lambda old, own=own: edits.without_transitions(old, own), text)  # type: ignore[misc]

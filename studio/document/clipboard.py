@@ -132,11 +132,11 @@ def _correction_record(correction: Correction) -> JsonObject:
 
 def _corrections_of(record: JsonObject, performer_id: str) -> list[Correction]:
     found: list[Correction] = []
-    for place, item in enumerate(_list_of(record, "corrections")):
+    for index, item in enumerate(_list_of(record, "corrections")):
         try:
             each = entity_of("corrections", {**item, "performer_id": performer_id}, _no_member)
         except (ValueError, TypeError) as error:
-            raise StudioError(f"{CLIPBOARD_NAME}, corrections[{place}], {error}") from error
+            raise StudioError(f"{CLIPBOARD_NAME}, corrections[{index}], {error}") from error
         assert isinstance(each, Correction)
         found.append(each)
     return found
@@ -154,8 +154,8 @@ def _paste_entities(document: EditedProject, record: JsonObject, mirrored: bool)
     chosen = [key for key in document.selection.of("performers") if key in document.project.performers]
     body = chosen[-1] if chosen and chosen[-1] != origin.get("performer_id") else ""
     constraints = [
-        constraint_of(item, clip.motion_id, f"{CLIPBOARD_NAME}, constraints[{place}]")
-        for place, item in enumerate(_list_of(record, "constraints"))
+        constraint_of(item, clip.motion_id, f"{CLIPBOARD_NAME}, constraints[{index}]")
+        for index, item in enumerate(_list_of(record, "constraints"))
     ]
     rate = document.project.frame_rate_of(clip)
     contacts = _contacts_of(document, record, clip.motion_id, rate / float(origin.get("frame_rate") or rate))
@@ -202,11 +202,11 @@ def _contacts_of(document: EditedProject, record: JsonObject, motion_id: str, fr
     the copied motion.
     """
     found: list[ContactInterval] = []
-    for place, item in enumerate(_list_of(record, "contacts")):
+    for index, item in enumerate(_list_of(record, "contacts")):
         try:
             each = entity_of("contacts", {**item, "motion_id": motion_id}, _no_member)
         except (ValueError, TypeError) as error:
-            raise StudioError(f"{CLIPBOARD_NAME}, contacts[{place}], {error}") from error
+            raise StudioError(f"{CLIPBOARD_NAME}, contacts[{index}], {error}") from error
         assert isinstance(each, ContactInterval)
         found.append(replace(each, first=round(each.first * frames), last=round(each.last * frames)))
     return found

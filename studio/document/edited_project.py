@@ -158,10 +158,10 @@ class EditedProject(QObject):
 
     def put_all(self, collection: str, entities: Mapping[str, Entity], text: str) -> list[str]:
         """Append entities with given new ids to a collection in one undo step, and return the ids."""
-        place = len(getattr(self._project, collection))
+        index = len(getattr(self._project, collection))
         self._check(collection, *entities.values())
         edits = tuple(
-            Edit(collection, entity_id, None, entity, place + number)
+            Edit(collection, entity_id, None, entity, index + number)
             for number, (entity_id, entity) in enumerate(entities.items())
         )
         if edits and self._group is None:

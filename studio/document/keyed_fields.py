@@ -118,14 +118,14 @@ def with_times(keyed: Keyed, times: Mapping[int, float], speed: float = 1.0) -> 
     return keyed.with_times(
         *(
             order.get(
-                place,
+                index,
                 max(
-                    min(time, *(order[other] for other in order if other > place), 1e9),
-                    *(order[other] for other in order if other < place),
+                    min(time, *(order[other] for other in order if other > index), 1e9),
+                    *(order[other] for other in order if other < index),
                     -1e9,
                 ),
             )
-            for place, time in enumerate(keyed.times)
+            for index, time in enumerate(keyed.times)
         )
     )
 

@@ -54,9 +54,9 @@ def shift_priorities(document: Document, constraint_ids: Collection[str], step: 
     for motion_id in dict.fromkeys(project.constraints[key].motion_id for key in constraint_ids):
         before = list(project.constraints_of(motion_id))
         after = before if step < 0 else before[::-1]
-        for place in range(1, len(after)):
-            if after[place] in constraint_ids and after[place - 1] not in constraint_ids:
-                after = [*after[: place - 1], after[place], after[place - 1], *after[place + 1 :]]
+        for index in range(1, len(after)):
+            if after[index] in constraint_ids and after[index - 1] not in constraint_ids:
+                after = [*after[: index - 1], after[index], after[index - 1], *after[index + 1 :]]
         order = after if step < 0 else after[::-1]
         if order != before:
             orders.append(order)

@@ -148,8 +148,8 @@ def _known(findings: Mapping[str, Finding | None]) -> Mapping[str, Finding]:
 def _worst(values: FloatArray, times: FloatArray, measure: Measure) -> Finding | None:
     if not np.isfinite(values).any():
         return None
-    place = int(np.nanargmax(values))
-    return Finding(float(values[place]), float(times[place]), measure)
+    index = int(np.nanargmax(values))
+    return Finding(float(values[index]), float(times[index]), measure)
 
 
 def _tracks(

@@ -187,11 +187,11 @@ def worst_residual(
     counted = full if fully_active else asked
     if not np.isfinite(counted).any():
         return None
-    place = int(np.nanargmax(counted))
-    time, measure = float(missed.times[place]), measure_of(project.constraints[constraint_id])
+    index = int(np.nanargmax(counted))
+    time, measure = float(missed.times[index]), measure_of(project.constraints[constraint_id])
     stage = stage_span(project)
     return Residual(
-        float(counted[place]), int(missed.frames[place]), round(time * stage.frame_rate) if stage else place, time,
+        float(counted[index]), int(missed.frames[index]), round(time * stage.frame_rate) if stage else index, time,
         fully_active, measure,
     )  # fmt: skip
 

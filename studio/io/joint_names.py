@@ -49,7 +49,7 @@ def with_joint_names(capture: Capture, key: str) -> Capture:
     if body is None:
         raise StudioError(f"'{capture.name}' has no body map, so its joints cannot be given other names.")
     given = {joint: namings[key].parts[part] for part, joint in body.parts.items() if part in namings[key].parts}
-    given |= {joint: namings[key].vertebra(place) for place, joint in enumerate(body.spine) if place}
+    given |= {joint: namings[key].vertebra(index) for index, joint in enumerate(body.spine) if index}
     fingers = find_fingers(capture.skeleton, body)
     given |= {joint: namings[key].fingers[finger] for finger, joint in fingers.items()}
     taken = set(given.values())
@@ -68,9 +68,9 @@ def _naming(record: Mapping[str, Mapping[str, str]]) -> JointNaming:
         BodyPart(key.format(**side)): name.format(**side) for key, name in record["parts"].items() for side in _SIDES
     }
     fingers = {
-        FingerJoint(side, digit, place): name.format(**words)
+        FingerJoint(side, digit, index): name.format(**words)
         for side, words in enumerate(_SIDES)
         for digit in Digit
-        for place, name in enumerate(record["fingers"][digit])
+        for index, name in enumerate(record["fingers"][digit])
     }
     return JointNaming(str(record["name"]), parts, tuple(record["spine"]), fingers)

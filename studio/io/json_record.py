@@ -34,7 +34,7 @@ class Record:
 
     def records(self, key: str) -> list["Record"]:
         """Records in the list under ``key``; empty if there is none."""
-        return [self._record_in(key, place, item) for place, item in enumerate(self._list(key))]
+        return [self._record_in(key, index, item) for index, item in enumerate(self._list(key))]
 
     def text(self, key: str, default: str = "") -> str:
         """Text under ``key``; ``default`` if there is none."""

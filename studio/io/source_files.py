@@ -49,8 +49,8 @@ def find_source(capture: Capture, known: Path | None, folders: Iterable[Path], p
         *(each for each in files if each.name == name),
     ]
     alike = sorted(files, key=lambda path: path.suffix.lower() != Path(name).suffix.lower())
-    for place, path in enumerate(dict.fromkeys([*called, *alike]) if digest else ()):
-        progress(place / (len(called) + len(files)), f"Looking for {name}")
+    for index, path in enumerate(dict.fromkeys([*called, *alike]) if digest else ()):
+        progress(index / (len(called) + len(files)), f"Looking for {name}")
         try:
             if path.stat().st_size <= LARGEST_REFERENCED_BYTES and digest_of(path) == digest:
                 return SourceFile(path, digest)

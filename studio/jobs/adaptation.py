@@ -126,7 +126,7 @@ def chosen_characters(names: Sequence[str]) -> dict[str, Character]:
     bundled = bundled_characters()
     if not names:
         return dict(bundled)
-    twice = [name for place, name in enumerate(names) if name in names[:place]]
+    twice = [name for index, name in enumerate(names) if name in names[:index]]
     if twice:
         raise StudioError(f"The character '{twice[0]}' is named twice. Name each one once.")
     chosen: dict[str, Character] = {}

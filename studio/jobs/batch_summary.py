@@ -78,7 +78,7 @@ def _short(value: Any) -> Any:
 def _page(records: Sequence[JsonObject], rows: Sequence[Row]) -> str:
     failed = [record for record in records if "error" in record]
     names = list(dict.fromkeys(row["character"] for row in rows if row["character"]))
-    colours = {name: CHART_COLOURS[place % len(CHART_COLOURS)] for place, name in enumerate(names)}
+    colours = {name: CHART_COLOURS[index % len(CHART_COLOURS)] for index, name in enumerate(names)}
     legend = " ".join(f'<b style="color:{colour}">● {escape(name)}</b>' for name, colour in colours.items())
     plots = "".join(_plot(title, unit, column, rows, colours) for title, unit, column in SUMMARY_PLOTS)
     errors = "".join(f"<tr><td>{escape(each['name'])}<td>{escape(each['error'])}" for each in failed)
@@ -92,7 +92,7 @@ def _page(records: Sequence[JsonObject], rows: Sequence[Row]) -> str:
 
 def _plot(title: str, unit: str, column: str, rows: Sequence[Row], colours: dict[str, str]) -> str:
     """HTML of a plot with one dot for each row, the captures side by side; empty if no row has a value."""
-    captures = {name: place for place, name in enumerate(dict.fromkeys(row["capture"] for row in rows))}
+    captures = {name: index for index, name in enumerate(dict.fromkeys(row["capture"] for row in rows))}
     values = [(row, float(row[column])) for row in rows if row[column] is not None]
     if not values:
         return ""

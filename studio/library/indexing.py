@@ -55,8 +55,8 @@ def index_folders(
         with catalogue.write_transaction():
             for name in gone:
                 catalogue.forget(name)
-    for place, path in enumerate(paths):
-        progress(place / len(paths), path.name)
+    for index, path in enumerate(paths):
+        progress(index / len(paths), path.name)
         state, before = _state(path), known.get(str(path))
         if before is None or (before.size, before.changed) != (state.size, state.changed):
             before, read = _read(catalogue, path, state), read + 1
@@ -71,8 +71,8 @@ def load_library(catalogue: Catalogue, progress: Progress = lambda share, text: 
     if not catalogue.read_only:
         whole = catalogue.files()
         damaged = [Path(path) for path in catalogue.paths() if path not in whole and os.path.isfile(path)]
-        for place, path in enumerate(damaged):
-            progress(place / len(damaged), path.name)
+        for index, path in enumerate(damaged):
+            progress(index / len(damaged), path.name)
             _read(catalogue, path, _state(path))
     return Library.of(catalogue)
 

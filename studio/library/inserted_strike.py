@@ -135,8 +135,8 @@ def _with_take(project: Project, take: LibraryTake) -> Project:
         motion.name, "", skeleton, PoseSequence(*still), motion.frame_rate, None, joint, 0.0, "m", "Z", 0, (), ()
     )
     contacts = (
-        (f"{TRIED_STRIKE_ID} {place}", replace(each, motion_id=TRIED_STRIKE_ID), None)
-        for place, each in enumerate(take.contacts)
+        (f"{TRIED_STRIKE_ID} {index}", replace(each, motion_id=TRIED_STRIKE_ID), None)
+        for index, each in enumerate(take.contacts)
     )
     project = project.with_entity("captures", TRIED_STRIKE_ID, capture)
     return project.with_entity("motions", TRIED_STRIKE_ID, Motion(motion.name, TRIED_STRIKE_ID)).with_entities(

@@ -78,7 +78,7 @@ class Library:
     def of_clips(cls, clips: list[LibraryClip], poses: NDArray[np.float32] | None = None) -> "Library":
         """Library of ``clips``; without ``poses`` (F, 64) the pose rows are computed in memory."""
         actors = tuple({clip.actor.number: clip.actor for clip in clips}.values())
-        places = {actor.number: place for place, actor in enumerate(actors)}
+        places = {actor.number: index for index, actor in enumerate(actors)}
         paths = [clip.path.places for clip in clips]
         table = SearchTable(
             rows=_poses_of(clips) if poses is None else poses,

@@ -102,10 +102,10 @@ def _row(
     plays to its end: grounding depends on the frames before and after.
     """
     begun = [each for whose, each in take.begun if whose == key]
-    for place, each in enumerate(begun):
+    for index, each in enumerate(begun):
         begin = -math.inf if each.own else each.since
         begin = max(begin, take.begin) if cut else begin
-        end = math.inf if each is begun[-1] else begun[place + 1].since - 1.0 / each.timing.frame_rate
+        end = math.inf if each is begun[-1] else begun[index + 1].since - 1.0 / each.timing.frame_rate
         for played in each.played:
             source = each.clips[played.piece.origin[0]]
             if source.motion_id not in project.motions:

@@ -93,9 +93,9 @@ def bone_segments(layout: BodyLayout) -> tuple[BoneSegment, ...]:
             (VMC_ARM_BONES, top, layout.clavicle_segment(side)),
             (VMC_LEG_BONES, "Hips", layout.thigh_segment(side)),
         ):
-            for place, bone in enumerate(bones):
-                parent = f"{name}{bones[place - 1]}" if place else carrier
-                chain.append(BoneSegment(f"{name}{bone}", parent, first + place))
+            for index, bone in enumerate(bones):
+                parent = f"{name}{bones[index - 1]}" if index else carrier
+                chain.append(BoneSegment(f"{name}{bone}", parent, first + index))
     return tuple(chain)
 
 

@@ -146,7 +146,7 @@ class BodyMapSection(Section):
             return
         path = body.skeleton.path(body.body_map.spine[0], body.skeleton.index(joint))
         names = {part: name for part, name in body.joints.items() if not part.startswith("spine")}
-        names |= {f"spine_{place}": body.skeleton.names[each] for place, each in enumerate(path[1:], 1)}
+        names |= {f"spine_{index}": body.skeleton.names[each] for index, each in enumerate(path[1:], 1)}
         self._apply(names, f"Map chest of {body.name} to {joint}")
 
     def _map(self, part: str, words: str, joint: str) -> None:

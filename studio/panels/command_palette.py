@@ -56,14 +56,14 @@ def ranked_actions(actions: Iterable[QAction], words: str) -> list[QAction]:
     """
     wanted = words.casefold().strip()
     found = []
-    for place, action in enumerate(actions):
+    for index, action in enumerate(actions):
         text = plain_text(action).casefold()
         if wanted in text:
-            found.append((0, text.index(wanted), place, action))
+            found.append((0, text.index(wanted), index, action))
         elif wanted in action.toolTip().casefold():
-            found.append((1, 0, place, action))
+            found.append((1, 0, index, action))
         elif _in_order(wanted.replace(" ", ""), text):
-            found.append((2, 0, place, action))
+            found.append((2, 0, index, action))
     return [action for *_, action in sorted(found, key=lambda each: each[:3])]
 
 

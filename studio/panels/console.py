@@ -115,7 +115,7 @@ class Console(QWidget):
         if self.session.running:
             return False
         self.show_text(
-            "".join(f"{'...' if place else '>>>'} {line}\n" for place, line in enumerate(source.split("\n")))
+            "".join(f"{'...' if index else '>>>'} {line}\n" for index, line in enumerate(source.split("\n")))
         )
         self.stop_button.setEnabled(True)
         self.session.run(source)
@@ -145,5 +145,5 @@ class Console(QWidget):
 
 def _shared_beginning(names: list[str]) -> str:
     first, last = (min(names), max(names)) if names else ("", "")
-    count = next((place for place, (a, b) in enumerate(zip(first, last, strict=False)) if a != b), len(first))
+    count = next((index for index, (a, b) in enumerate(zip(first, last, strict=False)) if a != b), len(first))
     return first[:count]

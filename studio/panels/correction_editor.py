@@ -42,8 +42,8 @@ class CorrectionEditor(Editor[Correction]):
         )
         section.add_row("Weight", self._weight)
         self._range = [
-            self.bind(NumberField(name, "s", -1e6, 1e6, 0.01, 3), partial(self._set_time, place))
-            for place, name in enumerate(RANGE_FIELDS)
+            self.bind(NumberField(name, "s", -1e6, 1e6, 0.01, 3), partial(self._set_time, index))
+            for index, name in enumerate(RANGE_FIELDS)
         ]
         section.add_row("Fade in (s)", *self._range[:2])
         section.add_row("Fade out (s)", *self._range[2:])
@@ -87,17 +87,17 @@ class CorrectionEditor(Editor[Correction]):
             fields = [
                 self.bind(
                     NumberField(f"{part.label} {axis}", "°", -720.0, 720.0, 1.0, 1),
-                    partial(self._set_turn, part, place),
+                    partial(self._set_turn, part, index),
                 )
-                for place, axis in enumerate(TURN_AXES)
+                for index, axis in enumerate(TURN_AXES)
             ]
             self._turns[part] = fields
             joints.add_row(part.label, *fields)
             joints.add_wide(self._deletion(part))
         if correction.keys.moves_hips:
             self._hips = [
-                self.bind(NumberField(f"Hips {axis}", "×", -10.0, 10.0, 0.01, 3), partial(self._set_hips, place))
-                for place, axis in enumerate(("ahead", "left", "up"))
+                self.bind(NumberField(f"Hips {axis}", "×", -10.0, 10.0, 0.01, 3), partial(self._set_hips, index))
+                for index, axis in enumerate(("ahead", "left", "up"))
             ]
             joints.add_row("Hips", *self._hips)
         if self._joints is None:

@@ -297,7 +297,7 @@ class Choice(QComboBox):
     def offer(self, items: Iterable[tuple[object, str]]) -> None:
         """Replace the choices; does nothing if they are unchanged."""
         items = list(items)
-        shown = [(value, self.itemText(place)) for place, value in enumerate(self._values)]
+        shown = [(value, self.itemText(index)) for index, value in enumerate(self._values)]
         if items != shown:
             with QSignalBlocker(self):
                 self.clear_all()

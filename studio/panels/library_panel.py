@@ -256,7 +256,7 @@ class LibraryPanel(QWidget):
         return self.view.visualRect(self._index(item))
 
     def _index(self, item: tuple[str, str]) -> QModelIndex:
-        places = [place for place, row in enumerate(self.model.rows) if row.item == item]
+        places = [index for index, row in enumerate(self.model.rows) if row.item == item]
         return self.model.index(places[0]) if places else QModelIndex()
 
     def _entity_changed(self, collection: str, _: str) -> None:

@@ -101,8 +101,8 @@ class LivePanel(QScrollArea):
     def show_inputs(self, rows: Sequence[InputRow], told: str) -> None:
         """List the inputs; choices of the user are kept, and rows are updated in place."""
         with QSignalBlocker(self.inputs):
-            for place, row in enumerate(rows):
-                top = self.inputs.topLevelItem(place) or QTreeWidgetItem(self.inputs)
+            for index, row in enumerate(rows):
+                top = self.inputs.topLevelItem(index) or QTreeWidgetItem(self.inputs)
                 _fill(top, row.words, row.rate, None)
                 top.setData(0, KEY_ROLE, row.key)
                 for number, sender in enumerate(row.senders):
@@ -114,8 +114,8 @@ class LivePanel(QScrollArea):
                 for number in range(top.childCount() - 1, len(row.senders) - 1, -1):
                     top.takeChild(number)
                 top.setExpanded(True)
-            for place in range(self.inputs.topLevelItemCount() - 1, len(rows) - 1, -1):
-                self.inputs.takeTopLevelItem(place)
+            for index in range(self.inputs.topLevelItemCount() - 1, len(rows) - 1, -1):
+                self.inputs.takeTopLevelItem(index)
         self.told.setText(told if rows else NO_INPUTS_HINT)
         for choice, none in ((self.body, OWN_CLIPS_LABEL), (self.head, NO_INPUT_LABEL)):
             chosen = choice.value

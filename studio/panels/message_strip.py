@@ -75,7 +75,7 @@ class MessageStrip(QWidget):
         self._lifetime = Lifetime.CLOSED
         chosen = answers or (("Close", self.clear),)
         self._answers = [
-            self._make_button(*answer, main=place == 0 and bool(answers)) for place, answer in enumerate(chosen)
+            self._make_button(*answer, main=index == 0 and bool(answers)) for index, answer in enumerate(chosen)
         ]
         self._sentence = sentence
         self._label.setText(LONG_WORD_PATTERN.sub("\\g<0>\u200b", sentence))

@@ -199,7 +199,7 @@ class PoseMapView(QWidget):
         painter.drawText(words, Qt.AlignmentFlag.AlignCenter, group.words)
 
     def _paint_letters(
-        self, painter: QPainter, places: FloatArray, sticks: NDArray[np.intp], letter: str, colour: str
+        self, painter: QPainter, positions: FloatArray, sticks: NDArray[np.intp], letter: str, colour: str
     ) -> None:
         """Paint the letter of a side at the ends of its limbs, since colour alone is not enough to tell left from
         right.
@@ -212,8 +212,8 @@ class PoseMapView(QWidget):
         painter.setFont(font)
         painter.setPen(QColor(colour))
         for end in ends.keys() - ends.values():
-            along = places[end] - places[ends[end]]
-            at = places[end] + LETTER_AWAY_PX * along / max(float(np.hypot(*along)), 1e-9)
+            along = positions[end] - positions[ends[end]]
+            at = positions[end] + LETTER_AWAY_PX * along / max(float(np.hypot(*along)), 1e-9)
             box = QRectF(0.0, 0.0, 2.0 * LETTER_PX, 2.0 * LETTER_PX)
             box.moveCenter(QPointF(*at))
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, letter)

@@ -41,8 +41,8 @@ class ProblemTable(QWidget):
         self.table = QTableWidget(0, len(PROBLEM_COLUMNS))
         self.table.setAccessibleName("Constraints by character")
         self.table.setHorizontalHeaderLabels(PROBLEM_COLUMNS)
-        for place, aspect in enumerate(ASPECTS):
-            header = self.table.horizontalHeaderItem(place + 2)
+        for index, aspect in enumerate(ASPECTS):
+            header = self.table.horizontalHeaderItem(index + 2)
             assert header is not None
             header.setToolTip(ASPECT_HINTS[aspect])
         self.table.verticalHeader().hide()
@@ -73,8 +73,8 @@ class ProblemTable(QWidget):
         for line, row in enumerate(rows):
             for column, text in enumerate((row.body, row.name)):
                 self._put(line, column, row, ASPECTS[0], text, None)
-            for place, aspect in enumerate(ASPECTS):
-                self._put(line, place + 2, row, aspect, "", row.findings.get(aspect))
+            for index, aspect in enumerate(ASPECTS):
+                self._put(line, index + 2, row, aspect, "", row.findings.get(aspect))
         self.table.setSortingEnabled(True)
 
     def _put(self, line: int, column: int, row: SummaryRow, aspect: str, text: str, finding: Finding | None) -> None:

@@ -30,8 +30,8 @@ class RotationRow:
     ) -> None:
         self._put = put
         self._fields = [
-            editor.bind(NumberField(f"Rotation {axis}", "", -360.0, 360.0, 1.0, 2), partial(self._set, place))
-            for place, axis in enumerate("XYZ")
+            editor.bind(NumberField(f"Rotation {axis}", "", -360.0, 360.0, 1.0, 2), partial(self._set, index))
+            for index, axis in enumerate("XYZ")
         ]
         words = f"Euler angles in degrees about the axes of {space}; rotation order XYZ, X first."
         for field in self._fields:

@@ -221,11 +221,11 @@ def _colours(character: Character) -> FloatArray:
     return np.array([[int(name[place : place + 2], 16) for place in (1, 3, 5)] for name in names], dtype=np.float64)
 
 
-def _left_of(capture: Capture, places: FloatArray) -> FloatArray:
-    """(3,) horizontal unit vector to the left of a body with joint positions ``places`` (J, 3)."""
+def _left_of(capture: Capture, positions: FloatArray) -> FloatArray:
+    """(3,) horizontal unit vector to the left of a body with joint positions ``positions`` (J, 3)."""
     if capture.body_map is None:
         return np.array([0.0, 1.0, 0.0])
-    left, right = (places[capture.body_map[part]] for part in (BodyPart.LEFT_THIGH, BodyPart.RIGHT_THIGH))
+    left, right = (positions[capture.body_map[part]] for part in (BodyPart.LEFT_THIGH, BodyPart.RIGHT_THIGH))
     level: FloatArray = (left - right) * [1.0, 1.0, 0.0]
     level /= max(float(np.linalg.norm(level)), 1e-9)
     return level

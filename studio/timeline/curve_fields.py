@@ -32,9 +32,9 @@ class CurveFields(QWidget):
         rows = QGridLayout(self)
         rows.setContentsMargins(14, 0, 8, 0)
         rows.setSpacing(4)
-        for place, (label, field) in enumerate(((QLabel("Time"), self.time), (self._name, self.value))):
-            rows.addWidget(label, place, 0)
-            rows.addWidget(field, place, 1)
+        for index, (label, field) in enumerate(((QLabel("Time"), self.time), (self._name, self.value))):
+            rows.addWidget(label, index, 0)
+            rows.addWidget(field, index, 1)
         self.setStyleSheet(
             f"QLabel {{ color: {colours.TEXT_THIRD}; font-size: 11px; }} QDoubleSpinBox {{ font-size: 12px; }}"
             " QAbstractSpinBox::up-button, QAbstractSpinBox::down-button { width: 0; border: none; }"

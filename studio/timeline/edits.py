@@ -112,7 +112,7 @@ def select_all_keys(shown: RowContext) -> None:
     """Select all keys of the selected entities; without any, all keys in the dope sheet."""
     fields = sheet_fields(shown)
     shown.document.keys.set(
-        KeyRef(field, place) for field, value in fields.items() for place in range(len(value.times))
+        KeyRef(field, index) for field, value in fields.items() for index in range(len(value.times))
     )
 
 

@@ -82,8 +82,8 @@ class Timeline(QWidget):
     def strip_point(self, constraint_id: str, performer_id: str, frame: int) -> QPoint:
         """Pixel of a performer's error strip at a frame of the active motion."""
         shown = self._sheet().context
-        place = [body.performer_id for body in shown.subject.bodies].index(performer_id)
-        top = constraint.strip_top(self.row_rect("constraints", constraint_id), place)
+        index = [body.performer_id for body in shown.subject.bodies].index(performer_id)
+        top = constraint.strip_top(self.row_rect("constraints", constraint_id), index)
         return QPoint(round(shown.x_of_frame(frame)), top + STRIP_SPACING_PIXELS - 1)
 
     def strip_state(self, constraint_id: str, performer_id: str, frame: int) -> StripState:

@@ -122,13 +122,15 @@ class SoftShadows:
         self.actor.SetVisibility(ground.is_level)
         self.actor.SetPosition(centre[0], centre[1], ground.height + SHADOW_LIFT_METRES)
 
-    def _darken(self, places: NDArray[np.float64], radii: NDArray[np.float64], strengths: NDArray[np.float64]) -> None:
-        """Add soft spots at ``places`` (S, 2) of the texture; overlapping spots multiply."""
-        away = np.arange(SHADOW_CELLS) - places[:, :, None]
+    def _darken(
+        self, positions: NDArray[np.float64], radii: NDArray[np.float64], strengths: NDArray[np.float64]
+    ) -> None:
+        """Add soft spots at ``positions`` (S, 2) of the texture; overlapping spots multiply."""
+        away = np.arange(SHADOW_CELLS) - positions[:, :, None]
         fades = np.exp(-((away / radii[:, None, None]) ** 2)).astype(np.float32)
         reach = 2.2 * radii[:, None]
-        firsts = np.maximum(np.floor(places - reach), 0).astype(int).tolist()
-        ends = np.minimum(np.ceil(places + reach) + 1, SHADOW_CELLS).astype(int).tolist()
+        firsts = np.maximum(np.floor(positions - reach), 0).astype(int).tolist()
+        ends = np.minimum(np.ceil(positions + reach) + 1, SHADOW_CELLS).astype(int).tolist()
         for fade, strength, first, end in zip(fades, strengths.tolist(), firsts, ends, strict=True):
             across, along = (fade[axis, first[axis] : max(end[axis], 0)] for axis in (0, 1))
             window = self._dark[first[1] : max(end[1], 0), first[0] : max(end[0], 0)]
@@ -162,9 +164,9 @@ def line_tints(run: NDArray[np.float64], position: NDArray[np.float64], axis: in
     return np.where(first[:, None], (X_AXIS_COLOUR, Y_AXIS_COLOUR)[axis], GRID_LINE_COLOUR)
 
 
-def line_fade(places: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(N, 1) opacity of metre lines at ``places`` (N, 2), which decreases towards the rim."""
-    near: NDArray[np.float64] = np.clip(1.15 - np.linalg.norm(places, axis=1) / GRID_REACH_METRES, 0, 1)[:, None]
+def line_fade(positions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(N, 1) opacity of metre lines at ``positions`` (N, 2), which decreases towards the rim."""
+    near: NDArray[np.float64] = np.clip(1.15 - np.linalg.norm(positions, axis=1) / GRID_REACH_METRES, 0, 1)[:, None]
     return near**1.2
 
 

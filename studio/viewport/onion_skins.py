@@ -43,13 +43,13 @@ def onion_ghosts(
             (1, skins.after, colours.AFTER_PLAYHEAD),
         ):
             last = pose.frame
-            for place in range(1, count + 1):
-                moment = time + sign * place * skins.step / frame_rate
+            for index in range(1, count + 1):
+                moment = time + sign * index * skins.step / frame_rate
                 ghost = pose_of(project, performer_id, pose.over_time, moment)
                 if ghost.frame == last:
                     break
                 last = ghost.frame
-                faded = (place - 1) / max(count - 1, 1)
+                faded = (index - 1) / max(count - 1, 1)
                 yield Ghost(ghost, colour, NEAREST_OPACITY + faded * (FARTHEST_OPACITY - NEAREST_OPACITY))
 
 

@@ -87,10 +87,10 @@ def _facing(posed: Mapping[str, PosedPerformer]) -> float:
     return float(np.arctan2(way[1], way[0])) if np.hypot(*way) > MIN_MEAN_DIRECTION else 0.0
 
 
-def _apart(camera: OrbitCamera, places: FloatArray) -> float:
-    if len(places) < 2:
+def _apart(camera: OrbitCamera, positions: FloatArray) -> float:
+    if len(positions) < 2:
         return 0.0
-    across = np.sort(places @ camera.axes[0])
+    across = np.sort(positions @ camera.axes[0])
     return float(np.minimum(np.diff(across), ENOUGH_APART_METRES).mean())
 
 

@@ -53,7 +53,7 @@ class RecordingOfPerformer:
         self._used = np.array([bare in capture.markers.marker_map.labels for bare in self.labels.values()], dtype=bool)
         in_unit = trial.metres_of_plates / trial.metres
         self._plates = [self._to_motion(in_unit * plate.corners[[0, 1, 2, 3, 0]]) for plate in trial.plates]
-        self._forces = [_pushes(trial, place) for place in range(len(trial.plates))]
+        self._forces = [_pushes(trial, index) for index in range(len(trial.plates))]
 
     def at(self, frame: int, placement: Placement) -> MarkerFrame:
         """Recording at a frame, clamped to the capture, placed on the stage."""
@@ -64,7 +64,7 @@ class RecordingOfPerformer:
         seen = np.isfinite(points).all(axis=1)
         bare = tuple(self.labels.values())
         return MarkerFrame(
-            tuple(bare[place] for place in np.flatnonzero(seen)),
+            tuple(bare[index] for index in np.flatnonzero(seen)),
             self._used[seen],
             points[seen],
             tuple(self._lines(trial, frame, placement)),

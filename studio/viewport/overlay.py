@@ -125,9 +125,9 @@ class Overlay:
                 x, y = (pixels[0] + [-3.3 * len(name) - 8.0, -10.0]).tolist()
                 self._name(np.array([x, max(y, least + NAME_MARGIN_PX)]), name, MARKER_COLOUR, 12)
 
-    def joints(self, places: FloatArray) -> None:
-        """Paint dots at the pickable joints ``places`` (J, 3)."""
-        pixels, depth = self._camera.project(places, self._size)
+    def joints(self, positions: FloatArray) -> None:
+        """Paint dots at the pickable joints ``positions`` (J, 3)."""
+        pixels, depth = self._camera.project(positions, self._size)
         for pixel, ahead in zip(pixels, depth, strict=True):
             if ahead > 0:
                 draw_disc(self._painter, pixel, 3.0, JOINT_COLOUR)

@@ -14,9 +14,9 @@ def tunables() -> Iterator[tuple[str, bool]]:
         for file in sorted((ROOT / room).rglob("*.py")):
             lines = file.read_text(encoding="utf-8").splitlines()
             body = tree_of(file).body
-            for place, node in enumerate(body):
+            for index, node in enumerate(body):
                 if isinstance(node, ast.Assign):
-                    told = is_told(body, place, lines)
+                    told = is_told(body, index, lines)
                     for name in chosen_names(node):
                         yield f"{place_of(file, node.lineno)} {name}", told
 
@@ -47,13 +47,13 @@ def is_chosen(value: ast.AST) -> bool:
     return any(is_chosen(part) for part in ast.iter_child_nodes(value))
 
 
-def is_told(body: list[ast.stmt], place: int, lines: list[str]) -> bool:
+def is_told(body: list[ast.stmt], index: int, lines: list[str]) -> bool:
     """By a comment on its line, or a docstring after the run of assignments that it stands in."""
-    if "#" in lines[body[place].lineno - 1]:
+    if "#" in lines[body[index].lineno - 1]:
         return True
-    while place < len(body) and isinstance(body[place], ast.Assign):
-        place += 1
-    after = body[place] if place < len(body) else None
+    while index < len(body) and isinstance(body[index], ast.Assign):
+        index += 1
+    after = body[index] if index < len(body) else None
     return isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
 
 

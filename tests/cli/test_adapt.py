@@ -381,11 +381,11 @@ def test_residuals_of_a_circle_of_followers_are_those_of_the_written_files(capsy
     part, always = {"part": "right_forearm", "at_end": True}, {"start": -1, "full": -1, "full_end": 99, "end": 99}
     asked = [
         {
-            **WRIST, "name": who, "point": part if place else {**part, "part": "left_forearm"}, "activation": always,
+            **WRIST, "name": who, "point": part if index else {**part, "part": "left_forearm"}, "activation": always,
             "target": {"kind": "follow_performer", "performer_id": other, "point": part},
             "chain": {"trunk": 1, "root": 1}, "scope": {"performer_id": who},
         }
-        for place, (who, other) in enumerate(zip(circle, (*circle[1:], circle[0]), strict=True))
+        for index, (who, other) in enumerate(zip(circle, (*circle[1:], circle[0]), strict=True))
     ]  # fmt: skip
     arguments = ["--character", *circle, "--constraints", constraint_file(tmp_path, *asked), "--format", "npz"]
     places = [word for k, who in enumerate(circle) for word in ("--place", who, str(0.4 * k), str(0.9 * (k % 2)), "0")]
@@ -402,9 +402,9 @@ def test_residuals_of_a_circle_of_followers_are_those_of_the_written_files(capsy
         told = constraint["by_frame"]["residual"]
         assert 1000.0 * residuals[0] == pytest.approx(told, abs=2e-3)
         record["told"], record["asked"] = np.array(told), constraint
-    for place, record in enumerate(report["characters"]):
-        mine = wrists[record["name"]]["RightHand" if place else "LeftHand"]
-        other = wrists[circle[(place + 1) % len(circle)]]["RightHand"]
+    for index, record in enumerate(report["characters"]):
+        mine = wrists[record["name"]]["RightHand" if index else "LeftHand"]
+        other = wrists[circle[(index + 1) % len(circle)]]["RightHand"]
         apart = 1000.0 * np.linalg.norm(mine - other, axis=1)
         assert apart == pytest.approx(record["told"], abs=0.02)
         asked = record["asked"]
@@ -436,10 +436,10 @@ def test_characters_follow_props_of_the_file_joints_of_the_capture_and_each_othe
     chain = {"trunk": 1, "root": 1}
     asked = [
         {
-            "kind": "look_at", "name": name, "priority": place, "activation": always, "chain": {"end_segment": 1},
-            "point": {"part": "head", "offset": [0.08, 0, 0.09 + 0.01 * place]}, "target": target,
+            "kind": "look_at", "name": name, "priority": index, "activation": always, "chain": {"end_segment": 1},
+            "point": {"part": "head", "offset": [0.08, 0, 0.09 + 0.01 * index]}, "target": target,
         }
-        for place, (name, target) in enumerate([
+        for index, (name, target) in enumerate([
             ("Box", {"kind": "follow_prop", "prop_id": "box", "offset": [0, 0, 0.2]}),
             ("Hand", {"kind": "follow_tracked", "joint": "RightHand"}),
         ])

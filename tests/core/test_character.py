@@ -296,7 +296,7 @@ def test_an_animal_on_four_legs_is_no_body():
     skeleton, points = figure()
     down = Rotation.from_euler("y", 80, degrees=True).as_matrix()
     trunk = [
-        place for place, name in enumerate(NAMES) if "Leg" not in name and "Foot" not in name and "Toe" not in name
+        index for index, name in enumerate(NAMES) if "Leg" not in name and "Foot" not in name and "Toe" not in name
     ]
     points[trunk] = (points[trunk] - points[0]) @ down.T + points[0]
     assert body_by_shape(skeleton, points) is None

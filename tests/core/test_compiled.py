@@ -40,8 +40,8 @@ def checked(number):
 @kernel
 def filled(number, out_numbers):
     """Write what is checked of rising numbers."""
-    for place in range(out_numbers.shape[0]):
-        out_numbers[place] = checked(number + place)
+    for index in range(out_numbers.shape[0]):
+        out_numbers[index] = checked(number + index)
 
 
 @allocating_kernel
@@ -108,8 +108,8 @@ def test_numba_still_has_what_linking_puts_something_else_in_place_of(own) -> No
 def first_ramp(count):
     """Rising numbers."""
     numbers = np.empty((count, 7))
-    for place in range(count):
-        numbers[place, 0] = place
+    for index in range(count):
+        numbers[index, 0] = index
     return numbers
 
 
@@ -117,8 +117,8 @@ def first_ramp(count):
 def second_ramp(count):
     """Falling numbers."""
     numbers = np.empty((count, 7))
-    for place in range(count):
-        numbers[place, 0] = -place
+    for index in range(count):
+        numbers[index, 0] = -index
     return numbers
 
 

@@ -255,9 +255,9 @@ def pieces_of(clips: tuple[Clip, ...], motion: MotionPiece) -> tuple[MotionPiece
     return tuple(
         cut(
             motion, first=clip.first, last=clip.last, start=clip.start + repeat * once[clip.id], speed=clip.speed,
-            mirrored=clip.mirrored, joined=clip.joined or repeat > 0, origin=(place, repeat),
+            mirrored=clip.mirrored, joined=clip.joined or repeat > 0, origin=(index, repeat),
         )
-        for place, clip in enumerate(clips)
+        for index, clip in enumerate(clips)
         for repeat in range(clip.repeats)
     )  # fmt: skip
 

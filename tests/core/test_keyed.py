@@ -270,7 +270,7 @@ def test_stepped_keys_hold_until_the_next_one():
 
 @given(bent(keyed_places()), st.floats(0.3, 3.0))
 def test_keys_that_are_scaled_in_time_keep_their_curve(keyed, factor):
-    times = {place: time * factor for place, time in enumerate(keyed.times)}
+    times = {index: time * factor for index, time in enumerate(keyed.times)}
     scaled = keyed.with_times(times, 1.0 / factor)
     at = np.linspace(keyed.times[0], keyed.times[-1], 60)
     assert scaled.at(at * factor) == pytest.approx(keyed.at(at), abs=1e-6)

@@ -269,7 +269,7 @@ def test_a_stick_is_held_by_one_hand_above_the_other_with_both_palms_on_it() -> 
     motion = project.performers[key].clips[0].motion_id
     asked = grip_constraints(motion, key, "stick", stick, (0.0, 20.0), 0)
     project = replace(project, constraints={}, props={"stick": stick})
-    project = project.with_entities("constraints", [(f"grip {place}", each, None) for place, each in enumerate(asked)])
+    project = project.with_entities("constraints", [(f"grip {index}", each, None) for index, each in enumerate(asked)])
     made = performed(project).performances[key]
     holder = Holder(made.adapted, np.arange(made.adapted.frame_count), Placement.of(project.performers[key]))
     track = stage_track(stick, np.arange(made.adapted.frame_count) / 60.0, {key: holder})
@@ -293,7 +293,7 @@ def test_palms_lie_on_a_box_overhead_and_on_the_floor_with_fingers_raised_along_
     project = replace(carry.with_entities("props", props), constraints={})
     for key, _ in _players(project):
         asked = grip_constraints("walk", key, f"box {key}", project.props[f"box {key}"], (0.0, 20.0), 0)
-        rows = [(f"grip {key} {place}", each, None) for place, each in enumerate(asked)]
+        rows = [(f"grip {key} {index}", each, None) for index, each in enumerate(asked)]
         project = project.with_entities("constraints", rows)
     for each in performed(project).performances.values():
         rows = zip(each.adapted.residuals, each.request.constraints, strict=True)
@@ -346,7 +346,7 @@ def handing() -> Project:
         *grip_constraints(motion, one, "box", box, (0.0, GIVEN), 0),
         *grip_constraints(motion, other, "box", box, (GIVEN, 8.0), 0),
     ]
-    return project.with_entities("constraints", [(f"grip {place}", each, None) for place, each in enumerate(asked)])
+    return project.with_entities("constraints", [(f"grip {index}", each, None) for index, each in enumerate(asked)])
 
 
 @pytest.mark.parametrize("pitch", [0.0, 60.0, 89.0, 91.0, 150.0])
@@ -489,7 +489,7 @@ def carrier(*holds: Carried | InHand, asked: tuple[Constraint, ...], clip: dict 
     walk = replace(performer.clips[0], **{"last": LAST, **(clip or {})})
     box = Prop("Box", SIZE).with_holds([replace(each, performer_id=key) for each in holds])
     alone = replace(performer, clips=(walk,), position=(0.0, 0.0), heading=0.0)
-    constraints = {str(place): replace(each, motion_id=walk.motion_id) for place, each in enumerate(asked)}
+    constraints = {str(index): replace(each, motion_id=walk.motion_id) for index, each in enumerate(asked)}
     body = make_character()
     return replace(
         project,
@@ -606,7 +606,7 @@ def test_a_box_that_is_handed_over_in_mirrored_clips_is_reflected_with_both_bodi
         *grip_constraints(motion, one, "box", box, (0.0, 1.5), 0),
         *grip_constraints(motion, "other", "box", box, (1.5, 8.0), 0, lower=True),
     ]
-    project = replace(project, props={"box": box}, constraints={str(place): each for place, each in enumerate(asked)})
+    project = replace(project, props={"box": box}, constraints={str(index): each for index, each in enumerate(asked)})
     clips = [
         (key, replace(each, clips=(replace(each.clips[0], offset=(0.2, 0.0)),)), None)
         for key, each in project.performers.items()

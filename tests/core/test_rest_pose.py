@@ -125,8 +125,8 @@ def _axes(seed: int, count: int) -> np.ndarray:
 def _turned(capture: Capture, joint: str, turn: np.ndarray) -> Capture:
     """The same motion with a joint turned by one more rotation."""
     rotations = np.array(capture.poses.local_rotations)
-    place = capture.skeleton.index(joint)
-    rotations[:, place] = multiply(turn, rotations[:, place])
+    index = capture.skeleton.index(joint)
+    rotations[:, index] = multiply(turn, rotations[:, index])
     return replace(capture, poses=replace(capture.poses, local_rotations=rotations))
 
 
@@ -174,13 +174,13 @@ def test_head_hands_and_feet_are_found_whatever_the_take_does(
 def test_what_a_take_keeps_twisted_is_not_neutral(joint: str, axis: tuple[float, float, float], degrees: float) -> None:
     calm = swaying(2, frames=120, amplitude=0.15, hinged=True)
     rotations = np.array(calm.poses.local_rotations)
-    place = calm.skeleton.index(joint)
-    rotations[:, place] = multiply(rotations[:, place], about(axis, np.radians(degrees)))
+    index = calm.skeleton.index(joint)
+    rotations[:, index] = multiply(rotations[:, index], about(axis, np.radians(degrees)))
     take = replace(calm, poses=replace(calm.poses, local_rotations=rotations))
     axes = np.swapaxes(_axes(2, take.skeleton.joint_count), 1, 2)
     odd = [with_zero_pose(each, axes) for each in (calm, take)]
     found = [find_reference_pose(each.skeleton, each.poses, each.body_map).rotations for each in odd if each.body_map]
-    assert np.degrees(angle_between(*found)[place]) < 5.0
+    assert np.degrees(angle_between(*found)[index]) < 5.0
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -232,10 +232,10 @@ def test_an_elbow_that_bends_shows_its_hinge_and_one_that_is_straight_hardly_any
     """Straight elbows bend aside by some degrees in captures of markers; the hinge is that of the frames which bend."""
     calm = swaying(4, frames=120, amplitude=0.1, hinged=True)
     rotations = np.array(calm.poses.local_rotations)
-    place = calm.skeleton.index("LeftForeArm")
+    index = calm.skeleton.index("LeftForeArm")
     bend = np.where(np.arange(120) < 80, np.radians(8.0), np.radians(90.0))
     aside = np.where(np.arange(120) < 80, np.radians(18.0), 0.0)
-    rotations[:, place] = multiply(about(HINGES["LeftForeArm"], bend), about((1.0, 0.0, 0.0), aside))
+    rotations[:, index] = multiply(about(HINGES["LeftForeArm"], bend), about((1.0, 0.0, 0.0), aside))
     take = replace(calm, poses=replace(calm.poses, local_rotations=rotations))
     apart = []
     for each in (calm, take):
@@ -270,9 +270,9 @@ def test_palms_of_a_human_zero_pose_look_down_wherever_elbows_bend() -> None:
 def test_a_foot_that_stands_on_its_edge_for_a_while_keeps_a_level_sole() -> None:
     calm = swaying(3, frames=120, amplitude=0.02)
     rotations = np.array(calm.poses.local_rotations)
-    place = calm.skeleton.index("RightFoot")
+    index = calm.skeleton.index("RightFoot")
     edge = np.where(np.arange(120) < 50, np.radians(30.0), 0.0)
-    rotations[:, place] = multiply(rotations[:, place], about((1.0, 0.0, 0.0), edge))
+    rotations[:, index] = multiply(rotations[:, index], about((1.0, 0.0, 0.0), edge))
     feet = []
     for each in (calm, replace(calm, poses=replace(calm.poses, local_rotations=rotations))):
         assert each.body_map is not None

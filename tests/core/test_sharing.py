@@ -125,7 +125,7 @@ def test_every_piece_is_done_and_the_share_grows_to_all(count: int) -> None:
     done: list[int] = []
     shares = list(run_in_threads(done.append, range(count)))
     assert sorted(done) == list(range(count))
-    assert shares == [pytest.approx((place + 1) / count) for place in range(count)]
+    assert shares == [pytest.approx((index + 1) / count) for index in range(count)]
 
 
 def test_what_a_piece_raises_is_raised() -> None:

@@ -47,11 +47,11 @@ def picked() -> list[tuple[MotionPiece, MotionPiece]]:
     """Two clips from any of their frames on, that leave a gap, meet, or overlap by up to a second."""
     chance = np.random.default_rng(19)
     found = []
-    for place in range(COUNT):
+    for index in range(COUNT):
         first, second = (example(str(name)) for name in chance.choice(EXAMPLES, 2))
         last, begin = int(chance.integers(70, first.last)), int(chance.integers(0, second.last - 70))
         before = cut(first, first=max(last - 150, 0), last=last)
-        overlap = (0.0, -chance.uniform(0.2, 1.5), chance.uniform(0.2, 1.0))[place % 3]
+        overlap = (0.0, -chance.uniform(0.2, 1.5), chance.uniform(0.2, 1.0))[index % 3]
         after = cut(second, first=begin, last=min(begin + 150, second.last), start=before.end - overlap)
         found.append((before, after))
     return found
@@ -347,7 +347,7 @@ def test_arms_of_one_clip_and_the_head_of_another_lie_over_each_other() -> None:
 
 def test_a_layer_is_mirrored_repeated_and_faster_as_clips_are() -> None:
     piece = part("straight_punch", 150, 210, 1.0)
-    twice = tuple(cut(piece, start=1.0 + 0.5 * place, speed=2.0, mirrored=True) for place in range(2))
+    twice = tuple(cut(piece, start=1.0 + 0.5 * index, speed=2.0, mirrored=True) for index in range(2))
     composite = row_with(replace(over(piece, Region.ARMS), pieces=twice, fades=(0.1, 0.1)))
     own = compose_pieces(twice, blends=True)
     arms = columns_of(Region.ARMS, composite.motion.channels.shape[1])

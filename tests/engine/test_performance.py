@@ -56,9 +56,9 @@ def row_of_two(*grips, change=60):
     """A performer at any frame of a row whose second clip takes over at frame ``change``."""
     project = make_project(characters=1)
     motion = results_of(project)["performer 0"]
-    clips = tuple(Clip("motion", 0, 5, place, grip=grip) for place, grip in enumerate(grips))
+    clips = tuple(Clip("motion", 0, 5, index, grip=grip) for index, grip in enumerate(grips))
     performer = replace(project.performers["performer 0"], clips=clips)
-    played = [SimpleNamespace(first=place * change, piece=SimpleNamespace(origin=(place, 0))) for place in range(2)]
+    played = [SimpleNamespace(first=index * change, piece=SimpleNamespace(origin=(index, 0))) for index in range(2)]
     composite = SimpleNamespace(
         played=played, fingers_before=None, timing=SimpleNamespace(frame_rate=motion.frame_rate)
     )

@@ -279,23 +279,23 @@ def test_one_selected_key_is_framed_at_the_scale_of_time_that_is_shown(document,
 
 def test_normalized_curves_each_fill_the_height_and_are_dragged_at_their_own_scale(document, editor, hand):
     values = {name: [*key_values(*editor.channel(name))] for name in "xyz"}
-    heights = {name: [editor.key(name, place).y() for place in range(4)] for name in "xyz"}
+    heights = {name: [editor.key(name, index).y() for index in range(4)] for name in "xyz"}
     assert np.ptp(heights["x"]) < 0.4 * editor.area.height()
     editor.menu(editor.key("z", 1), "Normalize curves")
     for name in "xyz":
-        tall = [editor.key(name, place).y() for place in range(4)]
+        tall = [editor.key(name, index).y() for index in range(4)]
         assert np.ptp(tall) > 0.7 * editor.area.height()
-    pixels_per_metre = np.ptp([editor.key("x", place).y() for place in range(4)]) / np.ptp(values["x"])
+    pixels_per_metre = np.ptp([editor.key("x", index).y() for index in range(4)]) / np.ptp(values["x"])
     hand.press(editor.key("x", 2))
     hand.move(0, dy=-20)
     hand.release()
     assert key_values(*editor.channel("x"))[2] == pytest.approx(values["x"][2] + 20 / pixels_per_metre, abs=0.003)
     editor.timeline.tracks.grab()
     QTest.keyClick(editor.timeline.tracks, Qt.Key.Key_A)
-    assert np.ptp([editor.key("y", place).y() for place in range(4)]) > 0.7 * editor.area.height()
+    assert np.ptp([editor.key("y", index).y() for index in range(4)]) > 0.7 * editor.area.height()
     document.undo_stack.undo()
     editor.menu(editor.key("z", 1), "Normalize curves")
-    assert {name: [editor.key(name, place).y() for place in range(4)] for name in "xyz"} == heights
+    assert {name: [editor.key(name, index).y() for index in range(4)] for name in "xyz"} == heights
 
 
 def test_a_box_selects_keys_by_time_and_value(document, editor, hand):

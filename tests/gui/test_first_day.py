@@ -225,8 +225,8 @@ def test_line_up_puts_bodies_across_their_way_as_one_step(window, qtbot, walk):
     document = window.bench.document
     drop(window, walk)
     wait_until_idle(qtbot, window)
-    for place, key in enumerate(document.project.performers):
-        performer = replace(document.project.performers[key], position=(3.0 * place, 0.4 * place), heading=0.3)
+    for index, key in enumerate(document.project.performers):
+        performer = replace(document.project.performers[key], position=(3.0 * index, 0.4 * index), heading=0.3)
         document.replace("performers", key, performer, "Move")
     count = document.undo_stack.count()
     window.actions_by_id.by_id["line_up"].trigger()

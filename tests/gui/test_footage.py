@@ -47,8 +47,8 @@ def write_numbered_film(path, frames, frame_rate):
 
 def write_sequence(folder, numbers, stem="shot.", suffix=".png"):
     folder.mkdir(exist_ok=True)
-    for place, number in enumerate(numbers):
-        Image.fromarray(numbered(place)).save(folder / f"{stem}{number}{suffix}")
+    for index, number in enumerate(numbers):
+        Image.fromarray(numbered(index)).save(folder / f"{stem}{number}{suffix}")
     return folder
 
 

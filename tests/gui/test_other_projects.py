@@ -23,7 +23,7 @@ def shown_texts(window):
         if isinstance(widget, (QLabel, QLineEdit)):
             yield type(widget).__name__, widget.text()
         elif isinstance(widget, QComboBox):
-            yield from ((type(widget).__name__, widget.itemText(place)) for place in range(widget.count()))
+            yield from ((type(widget).__name__, widget.itemText(index)) for index in range(widget.count()))
         elif isinstance(widget, QAbstractItemView) and widget.model() is not None:
             model = widget.model()
             for row in range(model.rowCount()):

@@ -81,7 +81,7 @@ def test_a_map_that_is_chosen_and_a_key_that_is_typed_act_at_once(window):
     action = window.actions_by_id.by_id
     assert action["move_tool"].shortcut().toString() == "G"
     assert "G" not in {each.toString() for each in action["ghost"].shortcuts()}
-    line = next(place for place, row in enumerate(ACTIONS) if row.id == "play")
+    line = next(index for index, row in enumerate(ACTIONS) if row.id == "play")
     dialog.table.item(line, 1).setText("P")
     assert action["play"].shortcut().toString() == "P"
     assert load_preferences(window.bench.settings).own_keys == {"play": ("P",)}

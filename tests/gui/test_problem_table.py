@@ -54,8 +54,8 @@ def test_every_constraint_has_a_row_on_every_body_with_its_worst_residual(stage)
         (key, name) for key in project.performers for name in (WHOLE_MOTION, "Target 0", "Far")
     }
     far = next(row for row in rows if row.name == "Far" and row.performer_id == "performer 1")
-    place = [each.name for each in project.constraints_of("motion").values()].index("Far")
-    worst = results["performer 1"].residuals[place][6:19].max()  # fully active from 0.1 to 0.3 s at 60 Hz
+    index = [each.name for each in project.constraints_of("motion").values()].index("Far")
+    worst = results["performer 1"].residuals[index][6:19].max()  # fully active from 0.1 to 0.3 s at 60 Hz
     assert far.findings["residual"].amount == pytest.approx(worst)
 
 

@@ -20,8 +20,8 @@ CTRL = Qt.KeyboardModifier.ControlModifier
 @pytest.fixture
 def document(qapp):
     project = make_project(characters=2, constraints=0, contacts=0, frames=101)
-    for place, key in enumerate(("kick", "punch", "other")):
-        constraint = make_constraint(name=key, activation=curve(20, 30 + place, 50, 60), priority=place)
+    for index, key in enumerate(("kick", "punch", "other")):
+        constraint = make_constraint(name=key, activation=curve(20, 30 + index, 50, 60), priority=index)
         project = project.with_entity("constraints", key, constraint)
     for key, first, last in (("early", 5, 15), ("late", 20, 40), ("last", 70, 90)):
         contact = make_contact(point=ContactPoint.LEFT_HEEL, first=first, last=last)

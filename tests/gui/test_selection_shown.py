@@ -103,10 +103,10 @@ def test_ctrl_still_adds_to_what_is_selected_in_the_library(document, library):
 
 def test_a_row_that_is_clicked_stays_under_the_mouse_though_others_come_and_go(document, library):
     """The list went back to its top, so that a second click, or a Ctrl click beside it, met another row."""
-    for place in range(30):
-        document.add("props", Prop(f"Box {place}"), "Add box")
-    for place in range(9):
-        document.add("constraints", make_constraint("motion", f"Wrist {place}", priority=place + 2), "Add")
+    for index in range(30):
+        document.add("props", Prop(f"Box {index}"), "Add box")
+    for index in range(9):
+        document.add("constraints", make_constraint("motion", f"Wrist {index}", priority=index + 2), "Add")
     document.selection.set(("performers", FIRST))
     library.resize(320, 260)
     bar = library.view.verticalScrollBar()

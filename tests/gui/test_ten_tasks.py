@@ -152,8 +152,8 @@ def staged(capture="reach_grasp", bodies=("adult_woman", "child"), made=()):
     """A scene of bodies beside each other that play one capture, with constraints made for its motion."""
     scene = api.new_scene()
     motion = scene.add_capture(api.example_captures_folder() / f"{capture}.bvh")
-    for place, body in enumerate(bodies):
-        scene.add_performer(scene.add_character(body), motion, position=(0.0, 1.2 * place))
+    for index, body in enumerate(bodies):
+        scene.add_performer(scene.add_character(body), motion, position=(0.0, 1.2 * index))
     for make in made:
         scene.add_constraint(make(motion, *scene.project.performers))
     return scene.project

@@ -99,12 +99,12 @@ def data_start(content: bytes | bytearray) -> int:
     return (struct.unpack_from("<H", content, 16)[0] - 1) * 512
 
 
-def point(frame: int, place: int, axis: int, value: float) -> Spoil:
+def point(frame: int, index: int, axis: int, value: float) -> Spoil:
     """A coordinate, or with ``axis`` 3 the word of residual and cameras."""
 
     def spoil(content: bytearray) -> None:
         a_frame = 4 * 4 + 24
-        struct.pack_into("<f", content, data_start(content) + 4 * (frame * a_frame + 4 * place + axis), value)
+        struct.pack_into("<f", content, data_start(content) + 4 * (frame * a_frame + 4 * index + axis), value)
 
     return spoil
 

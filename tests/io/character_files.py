@@ -82,7 +82,7 @@ class Gltf:
             "textures": [{"source": 0}],
             "images": [{"uri": "data:image/png;base64," + base64.b64encode(PIXEL).decode()}],
         }
-        bones = [{"bone": name, "node": place} for place, name in enumerate(NAMES)]
+        bones = [{"bone": name, "node": index} for index, name in enumerate(NAMES)]
         if vrm == 0:
             self.root["extensions"] = {"VRM": {"humanoid": {"humanBones": bones}}}
         if vrm == 1:
@@ -100,12 +100,12 @@ class Gltf:
 
     def _nodes(self) -> list[dict[str, Any]]:
         nodes: list[dict[str, Any]] = []
-        for place, (name, parent, at) in enumerate(JOINTS):
+        for index, (name, parent, at) in enumerate(JOINTS):
             above = NAMES.index(parent) if parent else None
             offset = np.array(at) - (PLACES[above] if above is not None else 0.0)
             nodes.append({"name": name, "translation": offset.tolist()})
             if above is not None:
-                nodes[above].setdefault("children", []).append(place)
+                nodes[above].setdefault("children", []).append(index)
         return nodes
 
     def moving(self) -> "Gltf":
@@ -117,7 +117,7 @@ class Gltf:
         self.root["animations"] = [
             {
                 "samplers": [{"input": times, "output": path}, {"input": times, "output": turn}],
-                "channels": [{"sampler": place, "target": target} for place, target in enumerate(targets)],
+                "channels": [{"sampler": index, "target": target} for index, target in enumerate(targets)],
             }
         ]
         return self

@@ -29,7 +29,7 @@ def _renamed(tmp_path: Path, names: dict[str, str]) -> Path:
 
 def test_where_names_say_nothing_shape_decides(tmp_path: Path) -> None:
     plain = load_capture(example_captures_folder() / "walk_turn.bvh")
-    found = load_capture(_renamed(tmp_path, {name: f"J{place:02d}" for place, name in enumerate(JOINTS)}))
+    found = load_capture(_renamed(tmp_path, {name: f"J{index:02d}" for index, name in enumerate(JOINTS)}))
     assert plain.body_map is not None
     assert found.body_map is not None
     for part, joint in plain.body_map.parts.items():
@@ -75,7 +75,7 @@ def test_limbs_that_the_user_names_are_believed_however_long_their_bones(tmp_pat
     names = capture.body_map.to_json(capture.skeleton)
     head, motion = WALK.split("MOTION")
     lines = motion.strip().splitlines()
-    place = JOINTS.index("LeftLeg")
+    index = JOINTS.index("LeftLeg")
     blocks = re.split(r"(?=JOINT )", head)
     block = next(k for k, each in enumerate(blocks) if each.startswith("JOINT LeftLeg"))
     offset = [float(number) for number in re.findall(r"OFFSET (.+)", blocks[block])[0].split()]
@@ -83,7 +83,7 @@ def test_limbs_that_the_user_names_are_believed_however_long_their_bones(tmp_pat
     rows = []
     for frame, line in enumerate(lines[2:]):
         numbers = line.split()
-        at = 3 + 3 * place
+        at = 3 + 3 * index
         grown = [str((1.0 + 2.0 * (frame % 2)) * each) for each in offset]
         rows.append(" ".join([*numbers[:at], *grown, *numbers[at:]]))
     path = tmp_path / "suit.bvh"

@@ -146,7 +146,7 @@ def test_a_long_trial_keeps_every_frame(tmp_path: Path) -> None:
 
 
 def test_hundreds_of_points_keep_their_names(tmp_path: Path) -> None:
-    labels = tuple(f"Anna:M{place}" for place in range(700))
+    labels = tuple(f"Anna:M{index}" for index in range(700))
     write_c3d(tmp_path / "take.c3d", make_trial(labels))
     assert read_c3d(tmp_path / "take.c3d").trial.labels == labels
 

@@ -360,8 +360,8 @@ def test_a_file_of_computed_points_alone_is_refused_as_such(tmp_path: Path) -> N
 def test_a_file_whose_points_are_never_seen_is_refused(tmp_path: Path) -> None:
     content = bytearray(GOOD)
     for frame in range(12):
-        for place in range(4):
-            point(frame, place, 3, -1.0)(content)
+        for index in range(4):
+            point(frame, index, 3, -1.0)(content)
     (tmp_path / "take.c3d").write_bytes(content)
     with pytest.raises(StudioError, match=r"take\.c3d shows no marker: none of its 4 points is ever seen"):
         load_capture(tmp_path / "take.c3d")

@@ -50,7 +50,7 @@ def test_every_shared_body_can_be_retargeted_like_any_other(captures: Path, name
 def test_points_without_names_open_as_bare_markers_and_say_what_to_do(captures: Path) -> None:
     capture = load_capture(captures / "c3d" / "sample15_FP1_metres.c3d")
     assert capture.body_map is None
-    assert capture.skeleton.names == ("Markers", *(f"PT{place:02d}" for place in range(8)))
+    assert capture.skeleton.names == ("Markers", *(f"PT{index:02d}" for index in range(8)))
     [guess] = [guess for guess in capture.guesses if guess.subject == "marker map"]
     assert "Assign them under Edit > Markers; the map can be saved and used again." in guess.reason
     trial = capture.markers.trial
@@ -82,7 +82,7 @@ def test_labels_that_were_exchanged_are_put_right_and_reported(tmp_path: Path) -
 
 def test_a_map_said_by_hand_makes_a_body_of_bare_markers() -> None:
     trial, marker_map = made_trial()
-    names = {label: f"P{place}" for place, label in enumerate(trial.labels)}
+    names = {label: f"P{index}" for index, label in enumerate(trial.labels)}
     unnamed = replace(trial, labels=tuple(names.values()))
     said = MarkerMap("ours", {role: (names[label],) for role, (label,) in marker_map.markers.items()})
     capture = load_capture_of(unnamed, ImportOptions(marker_map=said))
@@ -94,7 +94,7 @@ def test_a_map_said_by_hand_makes_a_body_of_bare_markers() -> None:
 def test_every_guess_about_markers_says_how_far_it_can_be_trusted(hidden: tuple[str, ...]) -> None:
     trial, _ = made_trial()
     labels = tuple(
-        f"*{place}" if any(word in label for word in hidden) else label for place, label in enumerate(trial.labels)
+        f"*{index}" if any(word in label for word in hidden) else label for index, label in enumerate(trial.labels)
     )
     points = trial.points.copy()
     points[:5] = np.nan
@@ -123,7 +123,7 @@ def test_a_lower_body_says_that_its_arms_are_at_rest(captures: Path) -> None:
 @pytest.mark.parametrize(
     ("open_places", "sentence"),
     [
-        (("left_shoulder",), "The arms lack markers at left shoulder. What"),
+        (("left_shoulder",), "The arms lack markers at left shoulder. Parts"),
         (("left_front_head", "right_front_head"), "The head needs markers at three body locations and has 2."),
     ],
 )

@@ -55,20 +55,20 @@ def check_fingers(capture: Capture, take: Take, actor: SourceRig, back: Capture)
     turns: dict[int, np.ndarray] = {}
     own = len(segment_of)
     poses = captured(capture, take)
-    for place, joint in enumerate(carried, own):
-        parent = int(take.skeleton.parents[place])
+    for index, joint in enumerate(carried, own):
+        parent = int(take.skeleton.parents[index])
         if parent < own:
             source = int(capture.skeleton.parents[joint])
             segment = actor.segment_joints.tolist().index(source)
-            turns[place] = t_pose_rotations(body)[segment_of[parent]] @ actor.alignments[segment].T
+            turns[index] = t_pose_rotations(body)[segment_of[parent]] @ actor.alignments[segment].T
         else:
-            turns[place] = turns[parent]
-        if take.skeleton.end_sites[place]:
+            turns[index] = turns[parent]
+        if take.skeleton.end_sites[index]:
             continue
-        written = back.poses.local_rotations[:, back.skeleton.index(take.skeleton.names[place])].copy()
-        written[:, :3] = written[:, :3] @ turns[place]  # C^T from the left of every vector
+        written = back.poses.local_rotations[:, back.skeleton.index(take.skeleton.names[index])].copy()
+        written[:, :3] = written[:, :3] @ turns[index]  # C^T from the left of every vector
         off = np.degrees(angle_between(written, poses.local_rotations[:, joint]))
-        assert off.max() < 1e-4, take.skeleton.names[place]
+        assert off.max() < 1e-4, take.skeleton.names[index]
 
 
 @pytest.mark.parametrize("name", ["child", "giant"])

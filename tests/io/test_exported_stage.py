@@ -285,9 +285,9 @@ def test_blender_shows_the_stage_as_it_was(staged, tmp_path, suffix):
         [take, world] = min(
             zip(exported.takes, worlds, strict=True), key=lambda each: np.abs(each[1][:, 0] - hips).max()
         )
-        for place, name in enumerate(armature["bones"]):
+        for index, name in enumerate(armature["bones"]):
             joint = take.skeleton.names.index(name)
-            assert np.abs(armature["heads"][:, place] - world[:, joint]).max() < HUNDREDTH_OF_A_MILLIMETRE
+            assert np.abs(armature["heads"][:, index] - world[:, joint]).max() < HUNDREDTH_OF_A_MILLIMETRE
     names = {name.replace("_", " "): record["places"] for name, record in found["objects"].items()}
     for prop in exported.props:
         assert np.abs(names[prop.name] - prop.places).max() < HUNDREDTH_OF_A_MILLIMETRE

@@ -62,11 +62,11 @@ def finger_chains(lowest: int) -> tuple[list[str], list[int], list[list[float]]]
     """
     names, parents, offsets = [], [], []
     for side, (letter, way) in enumerate((("Left", 1.0), ("Right", -1.0))):
-        for place, digit in enumerate(DIGITS):
+        for index, digit in enumerate(DIGITS):
             for joint in range(3):
                 names.append(f"{letter}Hand{digit}{joint + 1}")
                 parents.append(-1 - side if joint == 0 else lowest + len(parents) - 1)
-                offsets.append([0.04 - 0.02 * place, 0.09 * way, 0.0] if joint == 0 else [0.0, 0.03 * way, 0.0])
+                offsets.append([0.04 - 0.02 * index, 0.09 * way, 0.0] if joint == 0 else [0.0, 0.03 * way, 0.0])
     return names, parents, offsets
 
 
@@ -89,11 +89,11 @@ def fist_capture(frames: int = 30) -> Capture:
     count = len(DIGITS) * 6
     fingers = np.zeros((frames, count, 4))
     share = np.linspace(0.0, 1.0, frames)
-    for place in range(count):
-        way = 1.0 if place < count // 2 else -1.0
+    for index in range(count):
+        way = 1.0 if index < count // 2 else -1.0
         vectors = np.zeros((frames, 3))
-        vectors[:, 0] = -way * CURL[place % 3] * share ** (1 + place // 3 % 5)
-        fingers[:, place] = from_rotation_vector(vectors)
+        vectors[:, 0] = -way * CURL[index % 3] * share ** (1 + index // 3 % 5)
+        fingers[:, index] = from_rotation_vector(vectors)
     poses = PoseSequence(
         np.concatenate([body.local_rotations, fingers], axis=1),
         np.concatenate([body.local_translations, np.tile(skeleton.offsets[-count:], (frames, 1, 1))], axis=1),
@@ -321,7 +321,7 @@ def tips_and_knuckles(hero: Project, grip: float) -> tuple[np.ndarray, np.ndarra
     fingers, angles, reach = find_fingers(take.skeleton, body), [], []
     for side, part in enumerate((BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)):
         for digit in list(Digit)[1:]:
-            first, middle, last = (places[fingers[FingerJoint(side, digit, place)]] for place in range(3))
+            first, middle, last = (places[fingers[FingerJoint(side, digit, index)]] for index in range(3))
             row = [places[fingers[FingerJoint(side, each, 0)]] for each in list(Digit)[1:]]
             ahead, bone = np.mean(row, axis=0) - places[body[part]], last - middle
             angles.append(np.degrees(np.arccos(ahead @ bone / np.linalg.norm(ahead) / np.linalg.norm(bone))))

@@ -177,7 +177,7 @@ def test_the_map_of_a_vrm_animation_is_read_and_joints_without_keys_stay(tmp_pat
     named |= {"hips": "Hips", "spine": "Spine", "chest": "Chest", "neck": "Neck", "head": "Head"}
 
     def change(root):
-        places = {node.get("name"): place for place, node in enumerate(root["nodes"])}
+        places = {node.get("name"): index for index, node in enumerate(root["nodes"])}
         bones = {bone: {"node": places[joint]} for bone, joint in named.items()}
         root["extensions"] = {"VRMC_vrm_animation": {"humanoid": {"humanBones": bones}}}
         root.pop("skins", None)
@@ -223,7 +223,7 @@ def test_a_body_below_a_node_that_mirrors_is_mirrored(tmp_path, member, axis):
 
 def test_a_scale_that_mirrors_a_joint_for_a_while_is_repaired_and_told(tmp_path):
     def change(root):
-        hips = next(place for place, node in enumerate(root["nodes"]) if node.get("name") == "Hips")
+        hips = next(index for index, node in enumerate(root["nodes"]) if node.get("name") == "Hips")
         scales = np.array([[1, 1, 1], [-1, 1, 1], [-1, 1, 1], [1, 1, 1]], "<f4")
         data = "data:application/octet-stream;base64," + base64.b64encode(scales.tobytes()).decode()
         root["buffers"].append({"byteLength": scales.nbytes, "uri": data})

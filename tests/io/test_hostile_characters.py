@@ -24,14 +24,14 @@ def gltf(change: Callable[[dict[str, Any]], object], vrm: int | None = None) -> 
     return made.glb()
 
 
-def accessor(place: int, **values: Any) -> bytes:
-    return gltf(lambda root: root["accessors"][place].update(values))
+def accessor(index: int, **values: Any) -> bytes:
+    return gltf(lambda root: root["accessors"][index].update(values))
 
 
-def numbers(place: int, kind: str, array: np.ndarray) -> bytes:
+def numbers(index: int, kind: str, array: np.ndarray) -> bytes:
     """A figure with other numbers in an attribute."""
     made = Gltf()
-    made.root["meshes"][0]["primitives"][0]["attributes"][place] = made.add(array, kind)
+    made.root["meshes"][0]["primitives"][0]["attributes"][index] = made.add(array, kind)
     return made.glb()
 
 
@@ -39,8 +39,8 @@ def skin_of(**values: Any) -> bytes:
     return gltf(lambda root: root["skins"][0].update(values))
 
 
-def node(place: int, **values: Any) -> bytes:
-    return gltf(lambda root: root["nodes"][place].update(values))
+def node(index: int, **values: Any) -> bytes:
+    return gltf(lambda root: root["nodes"][index].update(values))
 
 
 def buffer(uri: str) -> bytes:

@@ -26,7 +26,7 @@ def dressed(*maps: str) -> Character:
     mesh = character.skin
     material = Material(
         "cloth", "#FFFFFF", picture(200), metallic=0.25, roughness=0.5, emission=(0.5, 0.25, 1.0),
-        maps={name: picture(10 * place) for place, name in enumerate(maps)},
+        maps={name: picture(10 * index) for index, name in enumerate(maps)},
     )  # fmt: skip
     look = Appearance((material,), np.zeros(len(mesh.triangles), int), np.full((len(mesh.vertices), 2), 0.25))
     return replace(character, skin=replace(mesh, appearance=look))

@@ -24,7 +24,7 @@ def names_of(character):
     skin = character.skin
     found = rig_body_map(skin.rig, character.build.layout.spine_count)
     return {part: skin.rig.names[joint] for part, joint in found.parts.items()} | {
-        f"spine_{place}": skin.rig.names[joint] for place, joint in enumerate(found.spine) if place
+        f"spine_{index}": skin.rig.names[joint] for index, joint in enumerate(found.spine) if index
     }
 
 

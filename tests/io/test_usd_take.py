@@ -114,8 +114,8 @@ def test_materials_come_along_with_their_textures_and_where_on_the_skin_they_lie
     assert np.array_equal(np.array(places.Get()), look.coordinates)
     found = list(surfaces(stage))
     assert len(found) == len(look.materials)
-    for place, ((triangles, surface, texture), material) in enumerate(zip(found, look.materials, strict=True)):
-        assert triangles == np.flatnonzero(look.triangle_materials == place).tolist()
+    for index, ((triangles, surface, texture), material) in enumerate(zip(found, look.materials, strict=True)):
+        assert triangles == np.flatnonzero(look.triangle_materials == index).tolist()
         if material.texture is None:
             assert np.allclose(surface.GetInput("diffuseColor").Get(), material.linear_colour)
             continue

@@ -10,7 +10,7 @@ KEYS = "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDa
 def trc_text(trial: Trial, between: str = "\t", gap: str = "", unit: str | None = None, blank: bool = True) -> str:
     """``trial`` as Cortex writes it; ``gap`` stands for a number that was not seen."""
     count = len(trial.labels)
-    axes = between.join(f"{axis}{place}" for place in range(1, count + 1) for axis in "XYZ")
+    axes = between.join(f"{axis}{index}" for index in range(1, count + 1) for axis in "XYZ")
     rate = f"{trial.frame_rate:g}"
     lines = [
         "PathFileType\t4\t(X/Y/Z)\ttake.trc",

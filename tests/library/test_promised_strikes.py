@@ -64,7 +64,7 @@ def capture_in(path: str) -> tuple[Capture, tuple[ContactInterval, ...]]:
 
 def with_motion(project: Project, motion_id: str, path: str) -> Project:
     capture, found = capture_in(path)
-    contacts = {f"{motion_id} {place}": replace(each, motion_id=motion_id) for place, each in enumerate(found)}
+    contacts = {f"{motion_id} {index}": replace(each, motion_id=motion_id) for index, each in enumerate(found)}
     return replace(
         project,
         captures={**project.captures, motion_id: capture},

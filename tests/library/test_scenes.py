@@ -130,8 +130,8 @@ HALF_A_HAND = 0.02
 
 
 @pytest.mark.parametrize("place", range(1, len(SCENES)))
-def test_every_scene_can_be_played(place: int) -> None:
-    project = exact(SCENES[place].make())
+def test_every_scene_can_be_played(index: int) -> None:
+    project = exact(SCENES[index].make())
     made = adapt_performers(project, project.performers, prepared_capture, adapt)
     assert not made.failures
     assert len(made.performances) == len(project.performers)

@@ -47,13 +47,13 @@ def picked(count: int) -> list[tuple[list[Clip], str]]:
     chance = np.random.default_rng(19)
     names = ("walk_turn", "front_kick", "straight_punch", "reach_grasp")
     found = []
-    for place in range(count):
+    for index in range(count):
         chosen = [
             (str(name), stuff().captures[name].frame_count - room)
             for name, room in zip(chance.choice(names, 2), (40, 80), strict=True)
         ]
         clips = [clip_of(name, int(chance.integers(0, last))) for name, last in chosen]
-        found.append((clips, list(cast())[place % 5]))
+        found.append((clips, list(cast())[index % 5]))
     return found
 
 

@@ -32,13 +32,13 @@ def things_to_drop(folder: Path) -> list[Path]:
     from tests.io.seeds import SEEDS, spoiled
 
     found = []
-    for place, suffix in enumerate(sorted(SEEDS)):
+    for index, suffix in enumerate(sorted(SEEDS)):
         path = folder / f"good{suffix}"
         SEEDS[suffix](path)
         found.append(path)
         if suffix != ".fbx":
             bad = folder / f"bad{suffix}"
-            bad.write_bytes(spoiled(Random(place), path.read_bytes()))
+            bad.write_bytes(spoiled(Random(index), path.read_bytes()))
             found.append(bad)
     (folder / "empty.bvh").touch()
     (folder / "zero.bvh").symlink_to("/dev/zero")

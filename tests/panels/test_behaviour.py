@@ -289,7 +289,7 @@ def test_states_and_transitions_that_are_removed_leave_the_rest(document):
 
 def choose(form, name, text):
     field = next(each for each in form.findChildren(QComboBox) if each.accessibleName() == name and not each.isHidden())
-    assert field.findText(text) >= 0, [field.itemText(place) for place in range(field.count())]
+    assert field.findText(text) >= 0, [field.itemText(index) for index in range(field.count())]
     field.setCurrentIndex(field.findText(text))
     field.activated.emit(field.currentIndex())
 

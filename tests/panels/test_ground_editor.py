@@ -40,9 +40,9 @@ def named(editor, kind, name):
 
 def choose(editor, kind):
     choice = named(editor, Choice, "Ground type")
-    place = [each for each, _ in GROUND_CHOICES if each in NUMERIC_GROUND_KINDS].index(kind)
-    choice.setCurrentIndex(place)
-    choice.activated.emit(place)
+    index = [each for each, _ in GROUND_CHOICES if each in NUMERIC_GROUND_KINDS].index(kind)
+    choice.setCurrentIndex(index)
+    choice.activated.emit(index)
 
 
 def test_a_kind_is_chosen_keeps_the_height_and_shows_its_own_measures(editor, document):

@@ -108,7 +108,7 @@ class _Wishes:
 def _drawn(before: AdaptedMotion, random: np.random.Generator) -> tuple[list[Constraint], np.ndarray]:
     """Random wishes, what keeps clear among them, and their priorities."""
     kinds = random.choice(KINDS, size=random.integers(2, MOST + 1)).tolist()
-    kinds = [kind for place, kind in enumerate(kinds) if kind != "balance" or place == kinds.index(kind)]
+    kinds = [kind for index, kind in enumerate(kinds) if kind != "balance" or index == kinds.index(kind)]
     kinds.insert(random.integers(len(kinds) + 1), "clear")
     drawing, levels = _Wishes(before, random), np.cumsum(random.random(len(kinds)) < 0.8)
     return [drawing.draw(number, int(levels[number]), kind) for number, kind in enumerate(kinds)], levels
@@ -149,9 +149,9 @@ def test_nor_in_moments_that_are_eased_in_time(seed: int, stem: str, name: str) 
     wishes, levels = _drawn(solve_constraints(standing, (), frame, frame), random)
     count = len(solve_constraints(standing, (), frame, frame + LENGTH - 1).positions)
     missed, order = np.full((len(wishes), count), np.nan), random.permutation(len(wishes))
-    for place in range(0, len(order), 2):  # two at a time: what is eased takes long
+    for index in range(0, len(order), 2):  # two at a time: what is eased takes long
         now = missed.copy()
-        asked, added = order[: place + 2], order[place : place + 2]
+        asked, added = order[: index + 2], order[index : index + 2]
         now[asked] = solve_constraints(
             standing, [wishes[c] for c in asked], frame, frame + LENGTH - 1, eased=True
         ).residuals

@@ -66,7 +66,7 @@ def test_a_foot_on_a_plate_is_pushed_up_where_it_stands(captures: Path) -> None:
             newtons = (end - begin) / METRES_A_NEWTON
             if newtons[2] > 400.0:
                 standing += 1
-                feet = [place for place, label in enumerate(now.labels) if label[1:4] in ("FOO", "HEE", "ANK")]
+                feet = [index for index, label in enumerate(now.labels) if label[1:4] in ("FOO", "HEE", "ANK")]
                 assert np.linalg.norm(now.points[feet, :2] - begin[:2], axis=1).min() < 0.2
                 assert abs(begin[2]) < 0.05
     assert standing > 50

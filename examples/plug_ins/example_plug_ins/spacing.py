@@ -17,8 +17,8 @@ def make(scene: api.Scene) -> QWidget:
 
     def space_out() -> None:
         with scene.undo_step("Space out performers"):
-            for place, performer in enumerate(scene.project.performers):
-                scene.change("performers", performer, position=(0.0, place * distance.value()))
+            for index, performer in enumerate(scene.project.performers):
+                scene.change("performers", performer, position=(0.0, index * distance.value()))
 
     button.clicked.connect(space_out)
     return panel

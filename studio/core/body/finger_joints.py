@@ -54,7 +54,7 @@ def find_fingers(skeleton: Skeleton, body: BodyMap) -> dict[FingerJoint, int]:
     found: dict[FingerJoint, int] = {}
     for side, part in enumerate((BodyPart.LEFT_HAND, BodyPart.RIGHT_HAND)):
         for digit, chain in _chains(skeleton, body[part]).items():
-            found |= {FingerJoint(side, digit, place): joint for place, joint in enumerate(chain)}
+            found |= {FingerJoint(side, digit, index): joint for index, joint in enumerate(chain)}
     digits = list(Digit)
     return dict(sorted(found.items(), key=lambda item: (item[0].side, digits.index(item[0].digit), item[0].place)))
 

@@ -70,17 +70,17 @@ def find_floor_slope(soles: FloatArray, upright: NDArray[np.bool_], frame_rate: 
     return FloorSlope(gradient, float(np.quantile(places[:, :2] @ gradient, 0.05)))
 
 
-def _gradient(places: FloatArray, weights: FloatArray, kinds: FloatArray) -> FloatArray:
-    """Rise over run (2,) of the positions ``places`` (N, 3), in a robust fit with ``weights`` (N,).
+def _gradient(positions: FloatArray, weights: FloatArray, kinds: FloatArray) -> FloatArray:
+    """Rise over run (2,) of the positions ``positions`` (N, 3), in a robust fit with ``weights`` (N,).
 
     Heels and balls may differ in height: each row of ``kinds`` (N, K) has one 1, at the kind of its position. Outliers
     far off the floor, as of a heel that never came down, weigh little.
     """
-    columns = np.concatenate([places[:, :2] - places[:, :2].mean(axis=0), kinds], axis=1)
+    columns = np.concatenate([positions[:, :2] - positions[:, :2].mean(axis=0), kinds], axis=1)
     doubt = np.diag([*2 * [(SOLE_HEIGHT_DEVIATION / SLOPE_DEVIATION) ** 2], *kinds.shape[1] * [1e-9]])
     trusted = weights
     for _ in range(SLOPE_FITS):
         weighed = columns.T * trusted
-        fit = np.linalg.solve(weighed @ columns + doubt, weighed @ places[:, 2])
-        trusted = weights / (1.0 + ((places[:, 2] - columns @ fit) / SOLE_HEIGHT_DEVIATION) ** 2)
+        fit = np.linalg.solve(weighed @ columns + doubt, weighed @ positions[:, 2])
+        trusted = weights / (1.0 + ((positions[:, 2] - columns @ fit) / SOLE_HEIGHT_DEVIATION) ** 2)
     return np.asarray(fit[:2])

@@ -145,17 +145,17 @@ def _part(name: str, side: str) -> BodyPart:
     return BodyPart[name] if name in ("PELVIS", "HEAD") else BodyPart[f"{side.upper()}_{name}"]
 
 
-def _facing(places: FloatArray, body_map: BodyMap) -> FloatArray:
+def _facing(positions: FloatArray, body_map: BodyMap) -> FloatArray:
     """Axes (3, 3) of the body in its reference pose: x forward, y left, z up."""
-    left = places[body_map[BodyPart.LEFT_THIGH]] - places[body_map[BodyPart.RIGHT_THIGH]]
+    left = positions[body_map[BodyPart.LEFT_THIGH]] - positions[body_map[BodyPart.RIGHT_THIGH]]
     angle = np.arctan2(-left[0], left[1])
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def _stature(places: FloatArray, body_map: BodyMap) -> float:
+def _stature(positions: FloatArray, body_map: BodyMap) -> float:
     """Stature, taken as twice the length of the legs."""
-    hip, knee, ankle = (places[body_map[BodyPart[f"LEFT_{part}"]]] for part in ("THIGH", "SHANK", "FOOT"))
+    hip, knee, ankle = (positions[body_map[BodyPart[f"LEFT_{part}"]]] for part in ("THIGH", "SHANK", "FOOT"))
     return float(np.linalg.norm(knee - hip) + np.linalg.norm(ankle - knee)) / 0.491
 
 

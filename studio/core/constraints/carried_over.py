@@ -95,9 +95,9 @@ class ClipTransform:
         seen = np.asarray(vectors, dtype=np.float64) * [1.0, -1.0 if self.mirrored else 1.0, 1.0]
         return np.asarray(seen @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]))
 
-    def positions(self, places: ArrayLike) -> FloatArray:
+    def positions(self, positions: ArrayLike) -> FloatArray:
         """Transformed positions (..., 3) in metres."""
-        return np.asarray(self.directions(places) + np.array([*self.shift, 0.0]))
+        return np.asarray(self.directions(positions) + np.array([*self.shift, 0.0]))
 
     def rotations(self, turns: ArrayLike, part: BodyPart) -> FloatArray:
         """Transformed rotations (..., 4) of a segment."""

@@ -106,7 +106,7 @@ def _carries_its_goal(constraint: Constraint) -> bool:
 
 def objections(constraints: Sequence[Constraint]) -> list[str]:
     """Objections to a set of constraints, each pair once."""
-    found = (objection(each, constraints[:place]) for place, each in enumerate(constraints))
+    found = (objection(each, constraints[:index]) for index, each in enumerate(constraints))
     return [sentence for sentence in found if sentence]
 
 

@@ -69,12 +69,12 @@ class RailConstraint(Constraint):
         seen = replace(carry, turn=0.0) if isinstance(self.centre, FOLLOWS) else carry
         return {"direction": tuple(seen.directions(self.direction).tolist())}
 
-    def nearest(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Positions (..., 3) on a fixed rail nearest to ``places`` (..., 3), in metres."""
+    def nearest(self, positions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Positions (..., 3) on a fixed rail nearest to ``positions`` (..., 3), in metres."""
         along, centre = np.array(self.direction), np.array(self.centre)
-        heights = (places - centre) @ along
+        heights = (positions - centre) @ along
         if self.shape is RailShape.PLANE:
-            return np.asarray(places - heights[..., None] * along)
+            return np.asarray(positions - heights[..., None] * along)
         return np.asarray(centre + np.clip(heights, -self.length / 2, self.length / 2)[..., None] * along)
 
     def sketch(self, position: NDArray[np.float64], turn: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:

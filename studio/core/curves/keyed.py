@@ -113,8 +113,8 @@ class Keys:
 
     def key_at(self, time: float) -> int | None:
         """Index of the key at ``time``; None where there is none."""
-        place = bisect_left(self.times, time - SAME_KEY_SECONDS)
-        return place if place < len(self.times) and self.times[place] <= time + SAME_KEY_SECONDS else None
+        index = bisect_left(self.times, time - SAME_KEY_SECONDS)
+        return index if index < len(self.times) and self.times[index] <= time + SAME_KEY_SECONDS else None
 
     def value_at(self, time: float) -> Any:
         """Value at ``time``, in the type of the values of keys."""
@@ -138,9 +138,9 @@ class Keys:
         """Copy without one key. Raises ValueError for the last one."""
         return self.without_keys({index})
 
-    def without_keys(self, places: set[int]) -> Self:
+    def without_keys(self, indices: set[int]) -> Self:
         """Copy without the keys at these indices. Raises ValueError if none would be left."""
-        return self._with(key for place, key in enumerate(self.keys) if place not in places)
+        return self._with(key for index, key in enumerate(self.keys) if index not in indices)
 
     def with_times(self, times: Mapping[int, float], speed: float = 1.0) -> Self:
         """Copy with the keys at some indices moved to other ``times``; each replaces a key at that time.
@@ -227,7 +227,7 @@ class Keys:
         after = np.minimum(before + 1, len(keys) - 1)
         progress = (t - keys[before]) / np.maximum(keys[after] - keys[before], SAME_KEY_SECONDS)
         share = ease(self._weighted(progress, before, after), EaseShape.QUINTIC)
-        if stepped := [place for place, each in enumerate(self.tangents) if each is not None and each.is_stepped]:
+        if stepped := [index for index, each in enumerate(self.tangents) if each is not None and each.is_stepped]:
             share = np.where(np.isin(before, stepped), (progress >= 1.0).astype(np.float64), share)
         return _KeySpans(before, after, t - keys[before], t - keys[after], share, asked - t)
 

@@ -129,10 +129,10 @@ def rates_of(
     ahead, behind = np.append(gaps, gaps[-1])[:, None], np.append(gaps[0], gaps)[:, None]
     smooth = (earlier * ahead + later * behind) / (ahead + behind)
     arriving, leaving = auto.copy(), auto.copy()
-    for place, each in enumerate(tangents):
+    for index, each in enumerate(tangents):
         if each is not None:
-            arriving[place] = _rate(each.arriving, auto[place], smooth[place], earlier[place])
-            leaving[place] = _rate(each.leaving, auto[place], smooth[place], later[place])
+            arriving[index] = _rate(each.arriving, auto[index], smooth[index], earlier[index])
+            leaving[index] = _rate(each.leaving, auto[index], smooth[index], later[index])
     return arriving, leaving
 
 

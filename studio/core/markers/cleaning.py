@@ -196,4 +196,4 @@ def _report(title: str, summary: str, details: list[str]) -> StepReport:
 
 
 def _places(trial: Trial) -> tuple[int, ...]:
-    return tuple(place for place, kind in enumerate(trial.kinds) if kind == MARKER_KIND)
+    return tuple(index for index, kind in enumerate(trial.kinds) if kind == MARKER_KIND)

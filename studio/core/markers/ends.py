@@ -198,10 +198,10 @@ def _sorted_quadrants(
     order = np.argsort(-ahead)
     if ahead[order[1]] - ahead[order[2]] < _APART:
         return {}
-    there = [int(own[place]) for own in (order[:2], order[2:]) for place in np.argsort(-beside[own])]
-    if any(there[other] != place for place, other in enumerate(there)):  # a head that looks over its shoulder
+    there = [int(own[index]) for own in (order[:2], order[2:]) for index in np.argsort(-beside[own])]
+    if any(there[other] != index for index, other in enumerate(there)):  # a head that looks over its shoulder
         return {}
-    return {role: roles[other] for place, (role, other) in enumerate(zip(roles, there, strict=True)) if place != other}
+    return {role: roles[other] for index, (role, other) in enumerate(zip(roles, there, strict=True)) if index != other}
 
 
 def _is_turned_back(across: FloatArray, joints: Tracks, side: str, forward: FloatArray | None) -> bool:

@@ -39,12 +39,12 @@ class Gap:
         return self.last - self.first + 1
 
 
-def find_gaps(points: FloatArray, places: tuple[int, ...]) -> Iterator[Gap]:
-    """Gaps of the ``points`` (F, P, 3) with the indices ``places``, including those at the beginning and the end.
+def find_gaps(points: FloatArray, indices: tuple[int, ...]) -> Iterator[Gap]:
+    """Gaps of the ``points`` (F, P, 3) with the indices ``indices``, including those at the beginning and the end.
 
     Points that are never seen have none.
     """
-    for place in places:
+    for place in indices:
         unseen = ~seen_mask(points[:, place])
         if unseen.all():
             continue
@@ -78,18 +78,18 @@ class Stiffness:
     spread: FloatArray
 
 
-def stiffness(points: FloatArray, places: tuple[int, ...], metres: float) -> Stiffness:
+def stiffness(points: FloatArray, indices: tuple[int, ...], metres: float) -> Stiffness:
     """Distances of pairs of points over sampled frames in which both are seen; ``metres`` is the length of a unit."""
     frames = np.unique(np.linspace(0, len(points) - 1, _LOOKED_AT).astype(int))
     mean, spread = (np.full((points.shape[1], points.shape[1]), np.nan) for _ in range(2))
-    there = metres * points[frames][:, list(places)]
-    for at, place in enumerate(places):
+    there = metres * points[frames][:, list(indices)]
+    for at, place in enumerate(indices):
         distances = np.linalg.norm(there - there[:, at, None], axis=-1)
         known = np.isfinite(distances)
         count = np.maximum(known.sum(axis=0), 1)
         middle = np.where(known, distances, 0.0).sum(axis=0) / count
-        mean[place, list(places)] = np.where(known.any(axis=0), middle, np.nan)
-        spread[place, list(places)] = np.sqrt(np.where(known, (distances - middle) ** 2, 0.0).sum(axis=0) / count)
+        mean[place, list(indices)] = np.where(known.any(axis=0), middle, np.nan)
+        spread[place, list(indices)] = np.sqrt(np.where(known, (distances - middle) ** 2, 0.0).sum(axis=0) / count)
         mean[place, place] = np.nan
     return Stiffness(mean, spread)
 
@@ -126,11 +126,11 @@ def _donors(points: FloatArray, gap: Gap, known: Stiffness) -> list[int]:
     return _spread_out(points[gap.first - 1 if gap.first else gap.last + 1], stiff[order].tolist())
 
 
-def _spread_out(places: FloatArray, stiff: list[int]) -> list[int]:
+def _spread_out(positions: FloatArray, stiff: list[int]) -> list[int]:
     """First few markers of ``stiff`` that are not on one line: three on a line do not define a rotation about it."""
     chosen = stiff[:2]
     for donor in stiff[2:]:
-        legs = places[[*chosen[1:], donor]] - places[chosen[0]]
+        legs = positions[[*chosen[1:], donor]] - positions[chosen[0]]
         singular = np.linalg.svd(legs, compute_uv=False)
         if singular[1] > 0.15 * singular[0]:
             chosen.append(donor)

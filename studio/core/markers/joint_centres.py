@@ -32,9 +32,9 @@ def joint_centres(markers: Mapping[str, FloatArray], measures: Measures) -> dict
     """
     tracks = role_middles(markers)
     joints: dict[str, FloatArray] = {}
-    for place, side in enumerate(SIDE_WORDS):
-        _leg(markers, tracks, measures.sides[place], side, 1 - 2 * place, joints)
-        _arm(tracks, measures, place, joints)
+    for index, side in enumerate(SIDE_WORDS):
+        _leg(markers, tracks, measures.sides[index], side, 1 - 2 * index, joints)
+        _arm(tracks, measures, index, joints)
     return joints
 
 

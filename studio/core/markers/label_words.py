@@ -185,7 +185,7 @@ def _side_within(label: str) -> list[tuple[str, str]]:
     """Side among joined words: ``WaistLFront``, ``pLeftToe``."""
     tokens = [token.lower() for token in _TOKENS.findall(label)]
     tokens = tokens[tokens[:1] == ["p"] :]  # Xsens writes p before a point
-    at = [place for place, token in enumerate(tokens) if token in ("l", "r", *SIDE_WORDS)]
+    at = [index for index, token in enumerate(tokens) if token in ("l", "r", *SIDE_WORDS)]
     if len(at) != 1:
         return []
     side = next(side for side in SIDE_WORDS if side.startswith(tokens[at[0]]))

@@ -88,12 +88,12 @@ def find_measures(stored: Mapping[str, float], metres: float, tracks: Tracks, ce
     inter_asis = length("INTERASISDISTANCE") or _inter_asis(tracks, legs)
     known = "LKNEEWIDTH" in stored
     sides = []
-    for place, (letter, side) in enumerate((("L", "left"), ("R", "right"))):
+    for index, (letter, side) in enumerate((("L", "left"), ("R", "right"))):
         trochanter = length(f"{letter}ASISTROCANTERDISTANCE")
-        hip = hip_in_pelvis(legs[place], sum(legs) / 2, inter_asis, trochanter, radius) * (1.0, 1 - 2 * place, 1.0)
+        hip = hip_in_pelvis(legs[index], sum(legs) / 2, inter_asis, trochanter, radius) * (1.0, 1 - 2 * index, 1.0)
         offsets = {}
         for joint, (key, share, usual) in _STORED.items():
-            beside = share * (length(letter + key) or usual * legs[place])
+            beside = share * (length(letter + key) or usual * legs[index])
             offsets[joint] = beside + radius if beside else 0.0
             if not known:
                 offsets[joint] = _beside(tracks, centres, f"{side}_{joint}", offsets[joint])

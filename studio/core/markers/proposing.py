@@ -94,8 +94,8 @@ def _by_words(trial: Trial, subject: str) -> _Found:
     sided = with_english_sides([label.removeprefix(beginning) for label in labels.values()])
     found: _Found = {}
     open_markers: dict[str, _Marker] = {}
-    for place, bare in enumerate(labels.values()):
-        own, marker = sided[bare.removeprefix(beginning)], _Marker(bare, trial.metres * points[frames, place])
+    for index, bare in enumerate(labels.values()):
+        own, marker = sided[bare.removeprefix(beginning)], _Marker(bare, trial.metres * points[frames, index])
         said = side_and_part(own)
         if said is not None:
             found.setdefault(said, []).append(marker)

@@ -131,13 +131,13 @@ def _behind_a_sign(label: str) -> Iterator[tuple[str, str]]:
 
 
 def _at_the_beginning(label: str) -> Iterator[tuple[str, str]]:
-    for place in range(1, len(label)):
-        yield label[:place], label[place:]
+    for index in range(1, len(label)):
+        yield label[:index], label[index:]
 
 
 def _at_the_end(label: str) -> Iterator[tuple[str, str]]:
-    for place in range(1, len(label)):
-        yield label[place:], label[:place]
+    for index in range(1, len(label)):
+        yield label[index:], label[:index]
 
 
 def _pairs(rests: Iterable[str]) -> int:

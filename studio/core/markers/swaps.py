@@ -27,24 +27,24 @@ class Swap:
     frame: int
 
 
-def find_swaps(points: FloatArray, places: tuple[int, ...], frame_rate: float, metres: float) -> list[Swap]:
+def find_swaps(points: FloatArray, indices: tuple[int, ...], frame_rate: float, metres: float) -> list[Swap]:
     """Swaps of two tracks of ``points`` (F, P, 3) that continue smoothly only when exchanged.
 
     The expected position of a marker extrapolates its last velocity, also through gaps. Swaps are found one after
     another: a pair that changes back is found twice.
     """
-    track = metres * points[:, places]
+    track = metres * points[:, indices]
     swaps: list[Swap] = []
     for frame in _suspects(track):
         expected = _expected(track, frame, frame_rate)
         here = track[frame]
         jumps = np.linalg.norm(here - expected, axis=-1)
-        jumped = [int(place) for place in np.flatnonzero(jumps > _JUMP)]
+        jumped = [int(index) for index in np.flatnonzero(jumps > _JUMP)]
         for one, other in combinations(jumped, 2):
             crossed = np.linalg.norm(here[other] - expected[one]) + np.linalg.norm(here[one] - expected[other])
             if crossed < _BETTER * (jumps[one] + jumps[other]):
                 track[frame:, [one, other]] = track[frame:, [other, one]]
-                swaps.append(Swap(places[one], places[other], frame))
+                swaps.append(Swap(indices[one], indices[other], frame))
                 break
     return swaps
 
@@ -71,9 +71,9 @@ def _expected(track: FloatArray, frame: int, frame_rate: float) -> FloatArray:
     expected = np.full(track.shape[1:], np.nan)
     start = max(0, frame - int(_LONGEST * frame_rate) - 2)
     window = track[start:frame]
-    for place in range(track.shape[1]):
-        seen = np.flatnonzero(seen_mask(window[:, place]))
+    for index in range(track.shape[1]):
+        seen = np.flatnonzero(seen_mask(window[:, index]))
         if len(seen) > 1 and seen[-1] - seen[-2] == 1:
-            last, step = window[seen[-1], place], window[seen[-1], place] - window[seen[-2], place]
-            expected[place] = last + step * (frame - start - seen[-1])
+            last, step = window[seen[-1], index], window[seen[-1], index] - window[seen[-2], index]
+            expected[index] = last + step * (frame - start - seen[-1])
     return expected

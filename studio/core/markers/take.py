@@ -164,7 +164,7 @@ def _whole_pairs(joints: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
 
 
 def _closed_cluster(markers: FloatArray, origin: FloatArray, axes: FloatArray) -> FloatArray:
-    closed = [_closed(markers[:, place], origin, axes) for place in range(markers.shape[1])]
+    closed = [_closed(markers[:, index], origin, axes) for index in range(markers.shape[1])]
     return np.stack(closed, axis=1)
 
 

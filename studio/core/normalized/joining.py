@@ -135,9 +135,9 @@ def _foot_distance(
     return float(np.median(aside[standing])) if standing.any() else 0.0
 
 
-def _turned(places: FloatArray, turn: float) -> FloatArray:
+def _turned(positions: FloatArray, turn: float) -> FloatArray:
     c, s = np.cos(turn), np.sin(turn)
-    return np.asarray(places @ np.array([[c, s], [-s, c]]))
+    return np.asarray(positions @ np.array([[c, s], [-s, c]]))
 
 
 @cache

@@ -65,9 +65,9 @@ class Inertialisation:
         return np.asarray(place + remaining_speed_offset(times[:, None], self.decay_times) * self.speed)
 
 
-def offset_decay_seconds(places: FloatArray, peaks: FloatArray) -> float:
-    """Seconds in which offsets ``places`` (N,) decay with the acceleration that the joints' ``peaks`` (N,) allow."""
-    needed = np.sqrt(_PLACE_PEAK * places / (ADDED_ACCELERATION_FRACTION * np.maximum(peaks, QUIET_PEAK))).max()
+def offset_decay_seconds(positions: FloatArray, peaks: FloatArray) -> float:
+    """Seconds in which offsets ``positions`` (N,) decay with the acceleration that the joints' ``peaks`` (N,) allow."""
+    needed = np.sqrt(_PLACE_PEAK * positions / (ADDED_ACCELERATION_FRACTION * np.maximum(peaks, QUIET_PEAK))).max()
     return float(np.clip(needed, LEAST_TRANSITION_SECONDS, MOST_TRANSITION_SECONDS))
 
 

@@ -46,7 +46,7 @@ def measured_body(skeleton: Skeleton, body_map: BodyMap) -> tuple[Morphology, Fl
 def segments_of_joints(skeleton: Skeleton, body_map: BodyMap) -> IntArray:
     """Canonical segment (J,) that each joint moves: its own, or that of its nearest ancestor with one."""
     layout = BodyLayout(len(body_map.spine))
-    own = {joint: place for place, joint in enumerate(body_map.spine)}
+    own = {joint: index for index, joint in enumerate(body_map.spine)}
     own |= {joint: layout.segment_of_part(part) for part, joint in body_map.parts.items() if joint not in own}
     segments = np.zeros(skeleton.joint_count, dtype=np.int64)
     for joint, parent in enumerate(skeleton.parents.tolist()):

@@ -59,21 +59,21 @@ def finger_rest(skeleton: Skeleton, body: BodyMap, local_rotations: FloatArray, 
         row = [joints[each] for each in joints if each.side == side and each.place == 0 and each.digit != Digit.THUMB]
         if len(row) > 1:
             axes[side] = frame_along((places[row] - places[hand]).sum(axis=0), places[row[0]] - places[row[-1]])
-        for place, digit in enumerate(DIGITS):
+        for index, digit in enumerate(DIGITS):
             chain = [joints[each] for each in joints if each.side == side and each.digit == digit]
             if chain:
                 bones = _bones(skeleton, hand, chain, places) @ axes[side]
-                directions[side, place] = bones / np.linalg.norm(bones, axis=1, keepdims=True)
+                directions[side, index] = bones / np.linalg.norm(bones, axis=1, keepdims=True)
     bent = directions[:, 1:]
     flexions[:, 1:] = np.arctan2(PALM_SIGNS[:, None, None] * bent[..., 1], bent[..., 2])
     return FingerRest(joints, hands, axes, flexions, directions)
 
 
-def _bones(skeleton: Skeleton, hand: int, chain: Sequence[int], places: FloatArray) -> FloatArray:
+def _bones(skeleton: Skeleton, hand: int, chain: Sequence[int], positions: FloatArray) -> FloatArray:
     """Vectors (3, 3) from each joint of a finger to the next; the last joint has the vector before it."""
     ends = [*chain[1:], *skeleton.children[chain[-1]][:1]]
-    bones = [places[end] - places[joint] for joint, end in zip(chain, ends, strict=False)]
-    last = bones[-1] if bones else places[chain[0]] - places[hand]
+    bones = [positions[end] - positions[joint] for joint, end in zip(chain, ends, strict=False)]
+    last = bones[-1] if bones else positions[chain[0]] - positions[hand]
     return np.array([*bones, *[last] * (JOINTS_PER_FINGER - len(bones))])
 
 
@@ -98,6 +98,6 @@ def relative_rotations(rotations: FloatArray) -> FloatArray:
 def rotations_in_hand(relative: FloatArray) -> FloatArray:
     """Rotations (..., 3, 4) of finger joints relative to the hand, from ``relative`` ones to the previous joint."""
     rotations = [relative[..., 0, :]]
-    for place in range(1, JOINTS_PER_FINGER):
-        rotations.append(multiply(rotations[-1], relative[..., place, :]))
+    for index in range(1, JOINTS_PER_FINGER):
+        rotations.append(multiply(rotations[-1], relative[..., index, :]))
     return np.stack(rotations, axis=-2)

@@ -72,9 +72,9 @@ def with_transition_replaced(behaviour: Behaviour, index: int, transition: Trans
     return replace(behaviour, transitions=tuple(transitions))
 
 
-def without_transitions(behaviour: Behaviour, places: Collection[int]) -> Behaviour:
-    """Copy without the transitions at the indices ``places``."""
-    kept = tuple(each for place, each in enumerate(behaviour.transitions) if place not in places)
+def without_transitions(behaviour: Behaviour, indices: Collection[int]) -> Behaviour:
+    """Copy without the transitions at the indices ``indices``."""
+    kept = tuple(each for index, each in enumerate(behaviour.transitions) if index not in indices)
     return replace(behaviour, transitions=kept)
 
 

@@ -96,9 +96,9 @@ def reaction_constraints(
     the partner makes no constraint if ``partner_id`` is empty.
     """
     asked: list[Constraint] = []
-    for place, manner in enumerate(manners):
+    for index, manner in enumerate(manners):
         followed = resolved_target(manner.whom, partner_id)
-        title = f"{name} {place + 1}"
+        title = f"{name} {index + 1}"
         if followed is not None and isinstance(manner, Meet):
             meeting = PositionConstraint(
                 motion_id, title, manner.point, manner.chain, 0, manner.activation, target=followed

@@ -36,8 +36,8 @@ def performers_side_by_side(characters: Mapping[str, Character], clips: tuple[Cl
     """
     middle = (len(characters) - 1) / 2
     return {
-        key: Performer(character.name, key, clips, (0.0, PERFORMER_SPACING * (middle - place)))
-        for place, (key, character) in enumerate(characters.items())
+        key: Performer(character.name, key, clips, (0.0, PERFORMER_SPACING * (middle - index)))
+        for index, (key, character) in enumerate(characters.items())
     }
 
 
@@ -91,8 +91,8 @@ def performers_in_row(
     keys, places = list(performers), np.array([each.position for each in performers.values()])
     reaches = {key: points @ across for key, points in (sweeps or {}).items()}
     row: dict[str, float] = {}
-    for place in np.argsort(-(places @ across), kind="stable"):
-        key = keys[place]
+    for index in np.argsort(-(places @ across), kind="stable"):
+        key = keys[index]
         ends = (offset - _spacing(reaches.get(other), reaches.get(key)) for other, offset in row.items())
         row[key] = min(ends, default=0.0)
     middle = places.mean(axis=0) - np.mean(list(row.values())) * across
@@ -176,5 +176,5 @@ def project_of_capture(
         motions={motion_id: Motion(capture.name, motion_id)},
         characters=characters,
         performers=performers_side_by_side(characters, clips),
-        contacts={f"contact {place}": contact for place, contact in enumerate(contacts)},
+        contacts={f"contact {index}": contact for index, contact in enumerate(contacts)},
     )

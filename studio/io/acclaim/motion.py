@@ -88,12 +88,12 @@ def _header(lines: list[bytes]) -> tuple[int, bool | None]:
     unstated.
     """
     degrees: bool | None = None
-    for place, line in enumerate(lines):
+    for index, line in enumerate(lines):
         text = line.decode("utf-8-sig", "replace").strip()
         if text.startswith(":"):
             degrees = ANGLE_UNIT_IS_DEGREES.get(text[1:].lower(), degrees)
         elif text and not text.startswith("#"):
-            return place, degrees
+            return index, degrees
     return len(lines), degrees
 
 

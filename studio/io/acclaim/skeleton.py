@@ -91,7 +91,7 @@ def _sections(name: str, text: str) -> dict[str, list[_Line]]:
     """Lines of each section by its keyword in lower case; the rest of the keyword's line is the first one."""
     sections: dict[str, list[_Line]] = {}
     own: list[_Line] = []
-    for place, line in enumerate(text.splitlines(), 1):
+    for index, line in enumerate(text.splitlines(), 1):
         words = line.partition("#")[0].split()
         if not words:
             continue
@@ -99,7 +99,7 @@ def _sections(name: str, text: str) -> dict[str, list[_Line]]:
             own = sections.setdefault(words[0][1:].lower(), [])
             words = words[1:]
         if words:
-            own.append(_Line(f"{name}, line {place}", words))
+            own.append(_Line(f"{name}, line {index}", words))
     return sections
 
 
@@ -210,16 +210,16 @@ def _joined(root: _Bone, bones: dict[str, _Bone], parents: dict[str, str], degre
     waiting = [_Joint(root, -1, np.zeros(3), False)]
     while waiting:
         joint = waiting.pop()
-        place = len(joints)
+        index = len(joints)
         bone = joint.bone
-        if place >= 2 * _MOST_BONES:
+        if index >= 2 * _MOST_BONES:
             raise StudioError(f"{bone.where}: it has more than {_MOST_BONES} child bones. Check the file.")
         joints.append(joint)
         if joint.is_end:
             continue
-        waiting += [_Joint(bones[child], place, bone.end, False) for child in reversed(children.get(bone.name, []))]
+        waiting += [_Joint(bones[child], index, bone.end, False) for child in reversed(children.get(bone.name, []))]
         if bone.name not in children and bone.end.any():
-            waiting.append(_Joint(bone, place, bone.end, True))
+            waiting.append(_Joint(bone, index, bone.end, True))
     skeleton = Skeleton(
         tuple(f"{joint.bone.name}_end" if joint.is_end else joint.bone.name for joint in joints),
         np.array([joint.parent for joint in joints]),

@@ -152,7 +152,7 @@ def _moved_from_offsets(
     ends = np.cumsum([len(each) for each in channels])
     near = []
     for joint, (each, end) in enumerate(zip(channels, ends.tolist(), strict=True)):
-        columns = [end - len(each) + place for place, channel in enumerate(each) if channel.endswith("position")]
+        columns = [end - len(each) + index for index, channel in enumerate(each) if channel.endswith("position")]
         length = float(np.linalg.norm(offsets[joint]))
         if columns and joint != travelling and length > 0.0:
             near.append(float(np.abs(frames[:, columns]).max()) < 0.1 * length)

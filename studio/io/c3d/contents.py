@@ -36,9 +36,9 @@ def labels_and_kinds(
     written = parameters.continued_words("POINT", "LABELS")[:count]
     labels: dict[str, None] = {}
     twice: list[str] = []
-    for place in range(count):
-        label = written[place] if place < len(written) else ""
-        label = label or f"Point {place + 1}"
+    for index in range(count):
+        label = written[index] if index < len(written) else ""
+        label = label or f"Point {index + 1}"
         if label in labels:
             twice.append(label)
             number = 2
@@ -119,8 +119,8 @@ def analog_signals(
         repairs.append(f"{name}: made 0, as not finite: {counted_noun(int(wild.sum()), 'analog number')}.")
     labels, units = parameters.continued_words("ANALOG", "LABELS"), parameters.continued_words("ANALOG", "UNITS")
     return AnalogSignals(
-        tuple(_at(labels, place) or f"Channel {place + 1}" for place in range(count)),
-        tuple(_at(units, place) for place in range(count)),
+        tuple(_at(labels, index) or f"Channel {index + 1}" for index in range(count)),
+        tuple(_at(units, index) for index in range(count)),
         rate,
         samples,
     )
@@ -175,9 +175,9 @@ def marked_events(name: str, content: bytes, parameters: Parameters, repairs: li
     if usable < count:
         repairs.append(f"{name}: EVENT:USED is {count}, but only {usable} events have a label and a time.")
     events = [
-        TrialEvent(labels[place], _at(contexts, place), float(60.0 * times[0, place] + times[1, place]))
-        for place in range(usable)
-        if np.isfinite(times[:, place]).all()
+        TrialEvent(labels[index], _at(contexts, index), float(60.0 * times[0, index] + times[1, index]))
+        for index in range(usable)
+        if np.isfinite(times[:, index]).all()
     ]
     return tuple(sorted(events, key=lambda event: event.time))
 
@@ -189,7 +189,7 @@ def _header_events(content: bytes, parameters: Parameters) -> tuple[TrialEvent, 
     if int(words[149]) != _EVENT_KEY or not 0 < count <= 18:
         return ()
     times = parameters.numbers.floats(content[304 : 304 + 72]).astype(np.float64)
-    labels = [content[396 + 4 * place : 400 + 4 * place].decode("latin-1").strip() for place in range(count)]
+    labels = [content[396 + 4 * index : 400 + 4 * index].decode("latin-1").strip() for index in range(count)]
     pairs = zip(labels, times, strict=False)
     found = [TrialEvent(label, "", float(time)) for label, time in pairs if label.isprintable() and np.isfinite(time)]
     return tuple(sorted(found, key=lambda event: event.time))

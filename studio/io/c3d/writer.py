@@ -147,10 +147,10 @@ def _analog(trial: Trial, samples: int) -> list[Record]:
     if count:
         records += _lists("LABELS", trial.analog.labels) + _lists("UNITS", trial.analog.units)
         for name, part in (("SCALE", 1.0), ("OFFSET", 0.0)):
-            for place, first in enumerate(range(0, count, _LIST), 1):
+            for index, first in enumerate(range(0, count, _LIST), 1):
                 values = [part] * min(_LIST, count - first)
                 numbers = _floats(values) if name == "SCALE" else _integers([int(value) for value in values])
-                records.append((name if place == 1 else f"{name}{place}", numbers))
+                records.append((name if index == 1 else f"{name}{index}", numbers))
     return records
 
 
@@ -188,11 +188,11 @@ def _events(trial: Trial) -> list[Record]:
 def _lists(name: str, words: Sequence[str]) -> list[Record]:
     """Lists ``LABELS``, ``LABELS2`` ...; names of one list are padded to the longest."""
     records = []
-    for place, first in enumerate(range(0, len(words), _LIST), 1):
+    for index, first in enumerate(range(0, len(words), _LIST), 1):
         part = [word.encode()[:_LIST] for word in words[first : first + _LIST]]
         length = max(1, *map(len, part))
         value = struct.pack("<bBBB", -1, 2, length, len(part)) + b"".join(word.ljust(length) for word in part)
-        records.append((name if place == 1 else f"{name}{place}", value))
+        records.append((name if index == 1 else f"{name}{index}", value))
     return records
 
 

@@ -91,7 +91,7 @@ def _axis(name: str) -> str:
 
 
 def _write_figure(target: str, scene: Any, everything: list[Any], nodes: list[Any], parents: list[int]) -> None:
-    meshes, arrays = meshes_of(everything, {node.typed_id: place for place, node in enumerate(nodes)})
+    meshes, arrays = meshes_of(everything, {node.typed_id: index for index, node in enumerate(nodes)})
     settings = keep(scene.settings)
     about = {
         "names": [node.name for node in nodes],

@@ -29,7 +29,7 @@ def meshes_of(nodes: list[Any], joints: dict[int, int]) -> tuple[list[dict[str, 
             to_world = matrix_of(node.geometry_to_world)
         parts = {"to_world": to_world, "weights": weights, **_corners(mesh)}
         arrays |= {f"{number} {name}": array for name, array in parts.items()}
-        materials = [_material(each, arrays, f"{number} {place}") for place, each in enumerate(all_of(mesh.materials))]
+        materials = [_material(each, arrays, f"{number} {index}") for index, each in enumerate(all_of(mesh.materials))]
         carrier = -1 if len(weights) else carriers[node.typed_id]
         told.append({"name": node.name, "carrier": carrier, "materials": materials})
     return told, arrays

@@ -23,13 +23,13 @@ def keep(thing: Any) -> Any:
 def all_of(things: Any) -> list[Any]:
     """Elements of a list of objects of ufbx."""
     keep(things)
-    return [keep(things[place]) for place in range(len(things))]
+    return [keep(things[index]) for index in range(len(things))]
 
 
 def numbers_of(things: Any) -> list[Any]:
     """Elements of a list of numbers or vectors of ufbx."""
     keep(things)
-    return [things[place] for place in range(len(things))]
+    return [things[index] for index in range(len(things))]
 
 
 def matrix_of(matrix: Any) -> FloatArray:

@@ -73,10 +73,10 @@ def read_tracks(animation: Record, accessors: Accessors, node_count: int, repair
         node, path = target.index("node", node_count), target.text("path")
         if node is None or path not in _WIDTHS:
             continue
-        place = channel.index("sampler", len(samplers))
-        if place is None:
+        index = channel.index("sampler", len(samplers))
+        if index is None:
             raise channel.value_error("sampler", "the number of a sampler")
-        sampler = samplers[place]
+        sampler = samplers[index]
         interpolation = sampler.text("interpolation", "LINEAR")
         if interpolation not in ("LINEAR", "STEP", "CUBICSPLINE"):
             raise sampler.value_error("interpolation", "LINEAR, STEP or CUBICSPLINE")

@@ -140,10 +140,10 @@ def _first_animation(
     file: GltfFile, accessors: Accessors, node_count: int, repairs: list[str]
 ) -> tuple[list[AnimationTrack], list[Guess]]:
     animations = file.root.records("animations")
-    for place, animation in enumerate(animations):
+    for index, animation in enumerate(animations):
         tracks = read_tracks(animation, accessors, node_count, repairs)
         if tracks:
-            name = animation.text("name") or f"animation {place}"
+            name = animation.text("name") or f"animation {index}"
             others = [each.text("name") for each in animations[:9] if each is not animation]
             reason = f"The file holds {len(animations)}; others are {', '.join(others)}."
             return tracks, [Guess("animation", name, reason, Confidence.LIKELY)] if len(animations) > 1 else []
@@ -249,16 +249,16 @@ def _local(nodes: Nodes, node: int, tracks: list[AnimationTrack], times: FloatAr
 
 
 def _joint_motion(
-    figure: _Figure, rest_places: FloatArray, places: FloatArray, world: FloatArray
+    figure: _Figure, rest_places: FloatArray, positions: FloatArray, world: FloatArray
 ) -> tuple[Skeleton, PoseSequence]:
     """Joints whose zero pose is the rest pose, and their motion, from world positions and rotations (F, J, 3, 3)."""
-    offsets, moves = rest_places.copy(), places.copy()
+    offsets, moves = rest_places.copy(), positions.copy()
     local = world.copy()
     for joint, parent in enumerate(figure.parents):
         if parent >= 0:
             carrier = np.swapaxes(world[:, parent], 1, 2)
             offsets[joint] -= rest_places[parent]
             local[:, joint] = carrier @ world[:, joint]
-            moves[:, joint] = np.einsum("fij,fj->fi", carrier, places[:, joint] - places[:, parent])
+            moves[:, joint] = np.einsum("fij,fj->fi", carrier, positions[:, joint] - positions[:, parent])
     skeleton = Skeleton(figure.names, np.array(figure.parents), offsets, np.zeros(len(offsets), bool))
     return skeleton, PoseSequence(from_matrix(local), moves)

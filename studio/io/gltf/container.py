@@ -94,11 +94,11 @@ def _parsed(text: bytes, name: str) -> dict[str, Any]:
 
 def _buffers(path: Path, root: Record, binary: bytes | None) -> list[bytes]:
     buffers: list[bytes] = []
-    for place, record in enumerate(root.records("buffers")):
+    for index, record in enumerate(root.records("buffers")):
         length = record.whole("byteLength", 0)
         if "uri" in record:
             content = content_of(record.text("uri"), path, record.where)
-        elif place == 0 and binary is not None:
+        elif index == 0 and binary is not None:
             content = binary
         else:
             raise StudioError(f"{record.where}: its bytes are missing. Export the file again.")

@@ -58,7 +58,7 @@ def _figure(
     skinned: set[int],
     reader: MeshReader,
 ) -> Figure:
-    places = {node: place for place, node in enumerate(joints)}
+    places = {node: index for index, node in enumerate(joints)}
     names = nodes.names()
     pieces = reader.pieces(world, places)
     return Figure(

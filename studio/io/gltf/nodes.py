@@ -31,11 +31,11 @@ class Nodes:
         """Unique name for each node."""
         names: list[str] = []
         taken: dict[str, int] = {}
-        for place, record in enumerate(self.records):
-            name = record.text("name") or f"Node_{place}"
+        for index, record in enumerate(self.records):
+            name = record.text("name") or f"Node_{index}"
             taken[name] = taken.get(name, 0) + 1
             if taken[name] > 1:
-                name = f"{name} ({place})"
+                name = f"{name} ({index})"
             names.append(name)
         return tuple(names)
 

@@ -122,7 +122,7 @@ class GltfScene:
             root |= {"extensionsUsed": list(self.extensions), "extensions": self.extensions}
         if images := lists.get("images"):
             root["samplers"] = [{}]
-            root["textures"] = [{"source": place, "sampler": 0} for place in range(len(images))]
+            root["textures"] = [{"source": index, "sampler": 0} for index in range(len(images))]
         return root | {"bufferViews": self.buffers.views, "accessors": self.buffers.accessors}
 
     def add_take(self, take: Take, progress: Any, *, group: bool = False) -> None:

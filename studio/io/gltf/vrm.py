@@ -70,7 +70,7 @@ def vrm_bones(root: Record, node_count: int) -> dict[str, int]:
             f"{root.where}: its humanoid has no {', '.join(missing[:4])}. Assign the bone in the program it comes from."
         )
     spine = [named[bone] for bone in _SPINE if bone in named]
-    bones = {f"spine_{place}": node for place, node in enumerate(spine, 1)}
+    bones = {f"spine_{index}": node for index, node in enumerate(spine, 1)}
     return {_BONES[bone]: node for bone, node in named.items() if bone in _BONES} | bones
 
 

@@ -62,15 +62,15 @@ def humanoid_capture(take: Take) -> tuple[Capture, list[str]]:
     offsets[0, :2] = 0.0
     rotations = np.empty((poses.frame_count, len(joints), 4))
     parents = np.full(len(joints), -1)
-    for place, joint in enumerate(joints):
-        rotations[:, place] = poses.local_rotations[:, joint]
+    for index, joint in enumerate(joints):
+        rotations[:, index] = poses.local_rotations[:, joint]
         above = int(skeleton.parents[joint])
         while above >= 0 and above not in joints:
-            rotations[:, place] = multiply(poses.local_rotations[:, above], rotations[:, place])
+            rotations[:, index] = multiply(poses.local_rotations[:, above], rotations[:, index])
             above = int(skeleton.parents[above])
         if above >= 0:
-            parents[place] = joints.index(above)
-            offsets[place] = places[joint] - places[above]
+            parents[index] = joints.index(above)
+            offsets[index] = places[joint] - places[above]
     travel = poses.local_translations[:, joints[0]]
     for above in reversed(skeleton.path(0, int(joints[0]))[:-1]):
         travel = poses.local_translations[:, above] + rotate(poses.local_rotations[:, above], travel)

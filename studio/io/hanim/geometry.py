@@ -126,7 +126,7 @@ def _box(size: FloatArray) -> ShapeSurface:
     turns = [*cycles, *(cycle @ np.diag([-1.0, 1.0, -1.0]) for cycle in cycles)]
     vertices = np.concatenate([face @ turn for turn in turns])
     normals = np.concatenate([np.tile(np.array([0.0, 0.0, 1.0]) @ turn, (4, 1)) for turn in turns])
-    triangles = np.concatenate([np.array([[0, 1, 2], [0, 2, 3]]) + 4 * place for place in range(6)])
+    triangles = np.concatenate([np.array([[0, 1, 2], [0, 2, 3]]) + 4 * index for index in range(6)])
     return ShapeSurface(vertices * size / 2, normals, np.zeros((24, 2)), triangles, np.arange(24))
 
 

@@ -398,10 +398,10 @@ def _cloud(take: MarkerTake, lacking: str, options: ImportOptions, guesses: list
     up_axis = parse_axis(options.up_axis or "Z")
     points = trial.metres * trial.points[:, [trial.labels.index(label) for label in labels]] @ turn_to_world(up_axis).T
     frames = np.arange(trial.frame_count)
-    for place in range(len(labels)):
-        seen = np.flatnonzero(seen_mask(points[:, place]))
+    for index in range(len(labels)):
+        seen = np.flatnonzero(seen_mask(points[:, index]))
         for axis in range(3):
-            points[:, place, axis] = np.interp(frames, seen, points[seen, place, axis])
+            points[:, index, axis] = np.interp(frames, seen, points[seen, index, axis])
     translations = np.concatenate([np.zeros((len(points), 1, 3)), points], axis=1)
     names = ("Markers", *(label_without_subject(label) for label in labels))
     skeleton = Skeleton(

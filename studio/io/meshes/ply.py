@@ -164,7 +164,7 @@ class _BinaryNumbers:
 
     def table(self, element: Element) -> NDArray[np.float64]:
         """Values (count, properties) of an element without lists."""
-        kind = np.dtype([(str(place), self._order + types[0]) for place, (_, types) in enumerate(element.properties)])
+        kind = np.dtype([(str(index), self._order + types[0]) for index, (_, types) in enumerate(element.properties)])
         begin = self._move(element.count * kind.itemsize)
         rows = np.frombuffer(self._content, kind, element.count, begin)
         return np.stack([rows[name].astype(np.float64) for name in kind.names or ()], axis=1)

@@ -155,7 +155,7 @@ def mesh_bytes(mesh: SkinnedMesh) -> bytes:
             arrays["rig_file_format"] = np.frombuffer(json.dumps(file.format).encode(), dtype=np.uint8)
     if mesh.appearance is not None:
         arrays |= {name: getattr(mesh.appearance, name) for name in _LOOK}
-        arrays |= {f"texture_{place}": picture for place, picture in enumerate(_pictures(mesh.appearance))}
+        arrays |= {f"texture_{index}": picture for index, picture in enumerate(_pictures(mesh.appearance))}
     for name in ("triangles", "segments"):
         arrays[name] = arrays[name].astype(np.min_scalar_type(int(arrays[name].max())))
     buffer = BytesIO()
@@ -200,7 +200,7 @@ def _pictures(look: Appearance) -> list[NDArray[np.uint8]]:
 def _material_records(look: Appearance | None) -> list[dict[str, Any]]:
     if look is None:
         return []
-    places = {id(picture): place for place, picture in enumerate(_pictures(look))}
+    places = {id(picture): index for index, picture in enumerate(_pictures(look))}
     return [
         {
             "name": each.name,
@@ -221,10 +221,10 @@ def _appearance(file: Mapping[str, Any], records: Sequence[Any]) -> Appearance:
     pictures: dict[int, NDArray[np.uint8]] = {}
     materials = []
 
-    def picture(place: int) -> NDArray[np.uint8]:
-        if place not in pictures:
-            pictures[place] = checked_picture(file[f"texture_{int(place)}"].astype(np.uint8).tobytes())
-        return pictures[place]
+    def picture(index: int) -> NDArray[np.uint8]:
+        if index not in pictures:
+            pictures[index] = checked_picture(file[f"texture_{int(index)}"].astype(np.uint8).tobytes())
+        return pictures[index]
 
     for record in records:
         red, green, blue = map(float, record.get("emission", (0.0, 0.0, 0.0)))

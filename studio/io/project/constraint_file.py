@@ -73,13 +73,13 @@ def read_constraints(path: Path, motion_id: str) -> ConstraintFile:
         raise StudioError(f"{path}: '{strange[0]}' is not known here. Members are {', '.join(_MEMBERS)}.")
     constraints = [
         constraint_of(
-            _with_mesh(item, path, f"{path}, constraints[{place}]"), motion_id, f"{path}, constraints[{place}]"
+            _with_mesh(item, path, f"{path}, constraints[{index}]"), motion_id, f"{path}, constraints[{index}]"
         )
-        for place, item in enumerate(record.get("constraints", []))
+        for index, item in enumerate(record.get("constraints", []))
     ]
-    for place, constraint in enumerate(constraints):
-        if sentence := objection(constraint, constraints[:place]):
-            raise StudioError(f"{path}, constraints[{place}]: {sentence}")
+    for index, constraint in enumerate(constraints):
+        if sentence := objection(constraint, constraints[:index]):
+            raise StudioError(f"{path}, constraints[{index}]: {sentence}")
     contacts = contacts_of(record["contacts"], motion_id, str(path)) if "contacts" in record else None
     props = _props(record.get("props", {}), str(path))
     for constraint in constraints:
@@ -169,13 +169,13 @@ def contacts_of(record: Json, motion_id: str, where: str) -> tuple[ContactInterv
             raise StudioError(
                 f"{where}, contacts, {foot}: expected lists of [first, last] by {', '.join(CONTACT_POINTS)}."
             )
-        for place, span in enumerate(spans):
+        for index, span in enumerate(spans):
             if not (isinstance(span, list) and len(span) == 2 and all(type(frame) is int for frame in span)):
-                raise StudioError(f"{where}, contacts, {foot}[{place}]: expected two frames [first, last].")
+                raise StudioError(f"{where}, contacts, {foot}[{index}]: expected two frames [first, last].")
             try:
                 contacts.append(ContactInterval(motion_id, contact_point(foot), *span))
             except ValueError as error:
-                raise StudioError(f"{where}, contacts, {foot}[{place}]: {error}") from error
+                raise StudioError(f"{where}, contacts, {foot}[{index}]: {error}") from error
     return tuple(contacts)
 
 

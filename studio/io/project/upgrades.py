@@ -15,9 +15,9 @@ def _with_clips_that_have_ids(record: Json) -> Json:
     performers = record.get("performers", [])
     for performer in performers if isinstance(performers, list) else []:
         clips = performer.get("clips") if isinstance(performer, dict) else None
-        for place, clip in enumerate(clips if isinstance(clips, list) else []):
+        for index, clip in enumerate(clips if isinstance(clips, list) else []):
             if isinstance(clip, dict):
-                clip.setdefault("id", f"{performer.get('id')} {place}")
+                clip.setdefault("id", f"{performer.get('id')} {index}")
     return record
 
 

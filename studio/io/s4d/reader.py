@@ -237,8 +237,8 @@ def _capture(record: _Record, motion: NormalizedMotion, actor: SourceRig) -> Cap
 def _annotations(record: _Record, motion_id: str, frames: int, path: Path) -> Annotations:
     where = f"{path.name}, '{RECORD_MEMBER}'"
     constraints = tuple(
-        constraint_of(each, motion_id, f"{where}, constraints[{place}]")
-        for place, each in enumerate(record.constraints)
+        constraint_of(each, motion_id, f"{where}, constraints[{index}]")
+        for index, each in enumerate(record.constraints)
     )
     contacts = None if record.contacts is None else contacts_of(record.contacts, motion_id, where)
     last = max([each.last for each in contacts or ()] + [label.last for label in record.labels], default=0)

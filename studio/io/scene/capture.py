@@ -136,12 +136,12 @@ def _rigid(
 def _one_root(names: list[str], parents: list[int]) -> tuple[list[str], NDArray[np.int64]]:
     """Unique names, and a joint above all if there are several roots."""
     taken: set[str] = set()
-    for place, name in enumerate(names):
-        unique, number = name or f"joint{place}", 2
+    for index, name in enumerate(names):
+        unique, number = name or f"joint{index}", 2
         while unique in taken:
             unique, number = f"{name}_{number}", number + 1
         taken.add(unique)
-        names[place] = unique
+        names[index] = unique
     if parents.count(-1) == 1:
         return names, np.array(parents)
     world = "World"

@@ -74,8 +74,8 @@ def _figure(path: Path, about: dict[str, Any], arrays: Arrays) -> Figure:
         raise StudioError(
             f"{path.name} has more than {MOST_VERTICES:,} vertices. Export the figure alone, and coarser."
         )
-    names = [name or f"joint{place}" for place, name in enumerate(about["names"])]
-    unique = [name if name not in names[:place] else f"{name}_{place}" for place, name in enumerate(names)]
+    names = [name or f"joint{index}" for index, name in enumerate(about["names"])]
+    unique = [name if name not in names[:index] else f"{name}_{index}" for index, name in enumerate(names)]
     return Figure(
         name=readable_name(path.stem),
         source=path.name,

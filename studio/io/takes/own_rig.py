@@ -103,10 +103,10 @@ def take_on_own_rig(take: Take, suffix: str, placement: Placement) -> Take:
     )
 
 
-def _local(parents: NDArray[np.int64], turns: FloatArray, places: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _local(parents: NDArray[np.int64], turns: FloatArray, positions: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Local rotations (F, J, 3, 3) and translations (F, J, 3) in the parents' axes, of joints given in the world."""
     above = np.maximum(parents, 0)
     is_root = parents < 0
     carriers = np.where(is_root[:, None, None], np.eye(3), np.swapaxes(turns[:, above], -1, -2))
-    moved = places - np.where(is_root[:, None], 0.0, places[:, above])
+    moved = positions - np.where(is_root[:, None], 0.0, positions[:, above])
     return carriers @ turns, np.einsum("fjab,fjb->fja", carriers, moved)

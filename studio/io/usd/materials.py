@@ -24,14 +24,14 @@ def bind_materials(
     files: dict[int, str] = {}
     pictures: dict[str, bytes] = {}
     names = identifiers([material.name for material in materials])
-    for place, (name, material) in enumerate(zip(names, materials, strict=True)):
+    for index, (name, material) in enumerate(zip(names, materials, strict=True)):
         if material.texture is not None and id(material.texture) not in files:
             content = material.texture.tobytes()
             file = f"{stem}_{name}" + (".png" if content.startswith(b"\x89PNG") else ".jpg")
             files[id(material.texture)], pictures[file] = file, content
         made = UsdShade.Material.Define(stage, mesh.GetPath().GetParentPath().AppendPath(f"Materials/{name}"))
         _surface(stage, made, material, files.get(id(material.texture)))
-        covered = np.flatnonzero(of_triangles == place).astype(np.int32)
+        covered = np.flatnonzero(of_triangles == index).astype(np.int32)
         subset = UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).CreateMaterialBindSubset(
             name, Vt.IntArray.FromNumpy(covered), UsdGeom.Tokens.face
         )

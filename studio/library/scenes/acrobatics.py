@@ -24,7 +24,7 @@ def handstand_and_cartwheel() -> Project:
     )
     keys = sorted(characters, key=lambda key: characters[key].morphology.leg_length)
     performers = {
-        key: Performer(characters[key].name, key, clips, (0.0, CARTWHEEL_SPACING_METRES * (place - 2)))
-        for place, key in enumerate(keys)
+        key: Performer(characters[key].name, key, clips, (0.0, CARTWHEEL_SPACING_METRES * (index - 2)))
+        for index, key in enumerate(keys)
     }
     return Project(stuff.captures, stuff.motions, characters, performers, {}, stuff.contacts)

@@ -24,6 +24,6 @@ def three_boxes() -> Project:
     for width, (key, performer) in zip(BOX_WIDTHS, project.performers.items(), strict=True):
         name = f"Box of {performer.name.lower()}"
         box = props[f"box {key}"] = Prop(name, (0.22, width, 0.24), held=Carried(key, HANDS_CENTRE))
-        for place, grip in enumerate(grip_constraints("walk", key, f"box {key}", box, (0.0, last), 0)):
-            asked[f"grip {key} {place}"] = grip
+        for index, grip in enumerate(grip_constraints("walk", key, f"box {key}", box, (0.0, last), 0)):
+            asked[f"grip {key} {index}"] = grip
     return replace(project, props=props, constraints=asked)

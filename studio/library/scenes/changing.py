@@ -33,12 +33,12 @@ def clap() -> Project:
     project = performers_in_one_motion(source_motions(rest=("Stand", "straight_punch")), "rest", 3, same=True)
     [(key, character)] = project.characters.items()
     characters = {
-        f"{key} {place}": replace(
+        f"{key} {index}": replace(
             character,
-            name=("Short arms", "Usual arms", "Long arms")[place],
+            name=("Short arms", "Usual arms", "Long arms")[index],
             proportions=Proportions(upper_arms=factor, forearms=factor),
         )
-        for place, factor in enumerate(ARM_SCALES)
+        for index, factor in enumerate(ARM_SCALES)
     }
     clips = (Clip("rest", *GUARD_STANCE_FRAMES, id="clip"),)
     performers = {

@@ -45,9 +45,9 @@ def one_target() -> Project:
     guard, _ = normalize_capture(stuff.captures["straight_punch"])
     library, people = bundled_library(), varied_characters(5)
     project = Project(stuff.captures, stuff.motions, {}, {}, {}, stuff.contacts)
-    for place, key in enumerate(FIGHTER_BODIES):
+    for index, key in enumerate(FIGHTER_BODIES):
         asked = target_of(guard, GUARD_FRAMES[1], people[key].morphology)
-        project = _with_fighter(project, key, people[key], FIGHTER_SPACING * (1 - place), asked)
+        project = _with_fighter(project, key, people[key], FIGHTER_SPACING * (1 - index), asked)
         scene = StrikeScene(project, key, STRIKE_BEGIN, FollowProp(f"target {key}"))
         found = search_strikes(library, asked, MOST_STRIKES_TRIED)
         project = _with_strike(scene, tried_strikes(found, scene.solved_residual)[0].found)
@@ -88,7 +88,7 @@ def _with_strike(scene: StrikeScene, found: Result) -> Project:
     """Project of ``scene`` with the strike ``found`` inserted and its capture added."""
     take, key = found.clip.take, scene.performer_id
     motion_id, capture = take.motion.name, load_capture(Path(take.path))
-    contacts = {f"{motion_id} {place}": each for place, each in enumerate(detected_contacts(capture, motion_id))}
+    contacts = {f"{motion_id} {index}": each for index, each in enumerate(detected_contacts(capture, motion_id))}
     project = replace(
         scene.project,
         captures={**scene.project.captures, motion_id: capture},

@@ -80,17 +80,17 @@ def fight_training(pairs: int = 4) -> Project:
     )
     characters = {key: replace(each, grip=hand_shapes.FIST_GRIP) for key, each in varied_characters(2 * pairs).items()}
     keys = sorted(characters, key=lambda key: characters[key].morphology.stature)
-    fighters = [Pair(*keys[place : place + 2]) for place in range(0, 2 * pairs, 2)]
+    fighters = [Pair(*keys[index : index + 2]) for index in range(0, 2 * pairs, 2)]
     performers: dict[str, Performer] = {}
     constraints: dict[str, Constraint] = {}
-    for place, pair in enumerate(fighters):
+    for index, pair in enumerate(fighters):
         apart = FIGHT_DISTANCE * (_leg(characters[pair.white]) + _leg(characters[pair.red])) / 2
-        across = PAIR_SPACING * (place - (pairs - 1) / 2)
+        across = PAIR_SPACING * (index - (pairs - 1) / 2)
         for key, x, heading, clips, colour in (
             (pair.white, 0.0, 0.0, _white(pair.white), "White"),
             (pair.red, apart, math.pi, _red(pair.red), "Red"),
         ):
-            name = f"{colour} {place + 1}, {characters[key].name.lower()}"
+            name = f"{colour} {index + 1}, {characters[key].name.lower()}"
             performers[key] = Performer(name, key, clips, (x, across), heading)
         small = (
             characters[pair.white].morphology.stature

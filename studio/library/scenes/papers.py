@@ -133,10 +133,10 @@ def performers_in_one_motion(
     names = list(characters) * (count if same else 1)
     capture = stuff.captures[stuff.motions[motion_id].capture_id]
     performers = {
-        f"{name} {place}": Performer(
+        f"{name} {index}": Performer(
             characters[name].name, name, (Clip(motion_id, 0, capture.frame_count - 1, id="clip"),),
-            (0.0, apart * ((count - 1) / 2 - place)),
+            (0.0, apart * ((count - 1) / 2 - index)),
         )
-        for place, name in enumerate(names)
+        for index, name in enumerate(names)
     }  # fmt: skip
     return Project(stuff.captures, stuff.motions, characters, performers, {}, stuff.contacts)

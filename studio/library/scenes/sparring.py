@@ -47,9 +47,9 @@ def sparring() -> Project:
         if key in PUNCH_KEYS
     }
     performers, behaviours = {}, {}
-    for place, (key, other) in enumerate((tuple(PUNCH_KEYS), tuple(PUNCH_KEYS)[::-1])):
+    for index, (key, other) in enumerate((tuple(PUNCH_KEYS), tuple(PUNCH_KEYS)[::-1])):
         guard = Clip("rest", GUARD_FIRST_FRAME, GUARD_FIRST_FRAME + 99, id=f"{key} guard")
-        x, heading = place * SPARRING_DISTANCE, place * math.pi
+        x, heading = index * SPARRING_DISTANCE, index * math.pi
         performers[key] = Performer(people[key].name, key, (guard,), (x, 0.0), heading)
         behaviours[key] = replace(
             fighter(*PUNCH_KEYS[key], upright_head(people[other].morphology)), cast=(Role(key, other),)

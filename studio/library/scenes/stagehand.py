@@ -38,9 +38,9 @@ def source_motions(**names: tuple[str, str]) -> SourceMotions:
     files = dict.fromkeys(file for _, file in names.values())
     captures = {file: load_capture(example_captures_folder() / f"{file}.bvh") for file in files}
     contacts = {
-        f"{key} {place}": contact
+        f"{key} {index}": contact
         for key, (_, file) in names.items()
-        for place, contact in enumerate(detected_contacts(captures[file], key))
+        for index, contact in enumerate(detected_contacts(captures[file], key))
     }
     return SourceMotions(captures, {key: Motion(name, file) for key, (name, file) in names.items()}, contacts)
 
@@ -53,9 +53,9 @@ def varied_characters(count: int) -> dict[str, Character]:
         Proportions(stature=1.04, upper_arms=1.08, forearms=1.08),
         Proportions(stature=0.97, thighs=0.94, shanks=0.94),
     )
-    for place, proportions in enumerate(others):
-        key, character = list(bundled_characters().items())[place]
-        found[f"{key} {place}"] = replace(character, name=f"{character.name} {place + 2}", proportions=proportions)
+    for index, proportions in enumerate(others):
+        key, character = list(bundled_characters().items())[index]
+        found[f"{key} {index}"] = replace(character, name=f"{character.name} {index + 2}", proportions=proportions)
     return dict(list(found.items())[:count])
 
 

@@ -350,16 +350,16 @@ class Diagram(QGraphicsView):
     def _arrows(self, behaviour: Behaviour) -> list[Arrow]:
         ways = [(each.source, each.target) for each in behaviour.transitions]
         arrows = []
-        for place, each in enumerate(behaviour.transitions):
-            order, count = edits.transition_rank(behaviour, place)
+        for index, each in enumerate(behaviour.transitions):
+            order, count = edits.transition_rank(behaviour, index)
             words = [condition_words(one, self.document.project) for one in each.conditions]
             words[0] = f"{order}  {words[0]}" if count > 1 else words[0]
             returns = each.source != each.target and (each.target, each.source) in ways
-            bow = bow_of(ways[:place].count(ways[place]), returns)
+            bow = bow_of(ways[:index].count(ways[index]), returns)
             arrows.append(
                 Arrow(
-                    place, self.states[each.source].rect, self.states[each.target].rect, tuple(words), bow,
-                    ("transitions", transition_key(self.behaviour_id, place)) in self.document.selection,
+                    index, self.states[each.source].rect, self.states[each.target].rect, tuple(words), bow,
+                    ("transitions", transition_key(self.behaviour_id, index)) in self.document.selection,
                 )
             )  # fmt: skip
         return arrows

@@ -124,15 +124,15 @@ class StateItem(QGraphicsItem):
         title = QRectF(inner.left(), inner.top(), inner.width() - 10.0 * len(self.box.dots), TITLE_PX)
         _write(painter, title, self.box.name, font(13, bold=True), colours.TEXT)
         inks = (colours.TEXT_SECOND, *(colours.kind_colour("distance") for _ in self.box.manners))
-        for place, (text, ink) in enumerate(zip((self.box.plays, *self.box.manners), inks, strict=True)):
-            line = QRectF(inner.left(), inner.top() + TITLE_PX + place * LINE_PX, inner.width(), LINE_PX)
+        for index, (text, ink) in enumerate(zip((self.box.plays, *self.box.manners), inks, strict=True)):
+            line = QRectF(inner.left(), inner.top() + TITLE_PX + index * LINE_PX, inner.width(), LINE_PX)
             _write(painter, line, text, font(11), ink)
 
     def _paint_dots(self, painter: QPainter) -> None:
         painter.setPen(Qt.PenStyle.NoPen)
-        for place, colour in enumerate(self.box.dots):
+        for index, colour in enumerate(self.box.dots):
             painter.setBrush(QColor(colour))
-            centre = QPointF(self.rect.right() - PADDING_PX - 3.0 - 10.0 * place, self.rect.top() + 14.0)
+            centre = QPointF(self.rect.right() - PADDING_PX - 3.0 - 10.0 * index, self.rect.top() + 14.0)
             painter.drawEllipse(centre, 3.5, 3.5)
 
 
@@ -207,8 +207,8 @@ class WordsItem(QGraphicsItem):
         painter.setPen(QPen(QColor(self._of.colour), 1.0) if framed else Qt.PenStyle.NoPen)
         painter.setBrush(QColor(colours.SELECTED_ROW if arrow.selected else colours.PANEL))
         painter.drawRoundedRect(label, 4.0, 4.0)
-        for place, text in enumerate(arrow.words):
-            line = QRectF(label.left() + 6.0, label.top() + 2.0 + place * LINE_PX, label.width(), LINE_PX)
+        for index, text in enumerate(arrow.words):
+            line = QRectF(label.left() + 6.0, label.top() + 2.0 + index * LINE_PX, label.width(), LINE_PX)
             _write(painter, line, text, font(11), colours.TEXT if arrow.selected else colours.TEXT_SECOND)
 
 

@@ -124,7 +124,7 @@ class StateEditor(PartEditor[State]):
             self._box.removeWidget(old)
             old.hide()
             old.deleteLater()
-        self._manners = [MannerSection(self, each, self._putter(place)) for place, each in enumerate(manners)]
+        self._manners = [MannerSection(self, each, self._putter(index)) for index, each in enumerate(manners)]
         for section in self._manners:
             self._box.addWidget(section)
 

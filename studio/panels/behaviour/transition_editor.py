@@ -82,8 +82,8 @@ class TransitionEditor(PartEditor[Transition]):
             old.hide()
             old.deleteLater()
         self._conditions = [
-            ConditionSection(self, "And" if place else "Condition", each, self._putter(place))
-            for place, each in enumerate(conditions)
+            ConditionSection(self, "And" if index else "Condition", each, self._putter(index))
+            for index, each in enumerate(conditions)
         ]
         for section in self._conditions:
             self._box.addWidget(section)

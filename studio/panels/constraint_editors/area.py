@@ -61,8 +61,8 @@ class AreaEditor(ConstraintEditor[AreaConstraint]):
         self._direction = NumberRows(self, section, "heading")
         self._heading_caption = section.add_row("Heading", self._heading, self._direction.keyed)
         self._tilts = [
-            self.bind(NumberField(f"Tilt {axis}", "°", -180.0, 180.0, 1.0, 1), partial(self._set_tilt, place))
-            for place, axis in enumerate("XY")
+            self.bind(NumberField(f"Tilt {axis}", "°", -180.0, 180.0, 1.0, 1), partial(self._set_tilt, index))
+            for index, axis in enumerate("XY")
         ]
         for field in self._tilts:
             field.setToolTip("Rotation about X, then about Y, in degrees; the heading comes last.")

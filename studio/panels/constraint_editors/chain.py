@@ -78,12 +78,12 @@ class ChainSection(Section):
         grid = QGridLayout()
         grid.setHorizontalSpacing(8)
         grid.setVerticalSpacing(2)
-        for place, link in enumerate(CHAIN_LINKS):
+        for index, link in enumerate(CHAIN_LINKS):
             name = styled_label("", "second")
             field = weight_field("Weight")
             self._editor.bind(field, self._setter(link))
-            grid.addWidget(name, place, 0)
-            grid.addWidget(field, place, 1)
+            grid.addWidget(name, index, 0)
+            grid.addWidget(field, index, 1)
             self._names[link], self._weights[link] = name, field
         grid.setRowStretch(len(CHAIN_LINKS) + 1, 1)
         return grid

@@ -73,13 +73,13 @@ class PrioritySection(Section):
                 self._fill(rows)
         self._list.setFixedHeight(PRIORITY_ROW_PX * len(rows) + 2 * self._list.frameWidth())
         order = list(constraints)
-        place = order.index(self._editor.entity_id)
+        index = order.index(self._editor.entity_id)
         ties = shared_priorities(constraints, order)
         with QSignalBlocker(self._tied):
-            self._tied.setChecked(ties[place])
-        self._tied.setEnabled(place > 0)
+            self._tied.setChecked(ties[index])
+        self._tied.setEnabled(index > 0)
         others = (each for key, each in constraints.items() if key != self._editor.entity_id)
-        self._shows_weight = any(ties[place : place + 2]) or any(
+        self._shows_weight = any(ties[index : index + 2]) or any(
             are_blended(self._editor.entity, each) for each in others
         )
         self.refresh_weight()
@@ -104,7 +104,7 @@ class PrioritySection(Section):
         self._list.setCurrentRow([key for key, _ in rows].index(self._editor.entity_id))
 
     def _put_order(self) -> None:
-        order = [self._list.item(place).data(CONSTRAINT_ID_ROLE) for place in range(self._list.count())]
+        order = [self._list.item(index).data(CONSTRAINT_ID_ROLE) for index in range(self._list.count())]
         constraints = self._editor.document.project.constraints
         before = list(self._editor.document.project.constraints_of(self._editor.entity.motion_id))
         current = self._list.currentItem()

@@ -54,7 +54,7 @@ class SegmentWeights(QWidget):
         grid.setHorizontalSpacing(8)
         grid.setVerticalSpacing(2)
         grid.setColumnStretch(0, 1)
-        for place, part in enumerate(WEIGHTED_PARTS):
+        for index, part in enumerate(WEIGHTED_PARTS):
             field = self._editor.bind(weight_field(f"Weight override of {part.label}"), partial(self.put, part))
             remove = press_button("−", partial(self._remove, part))
             remove.setAccessibleName(f"Remove weight override of {part.label}")
@@ -62,7 +62,7 @@ class SegmentWeights(QWidget):
             remove.setFixedWidth(30)
             self._rows[part] = styled_label(part.label, "second"), field, remove
             for column, widget in enumerate(self._rows[part]):
-                grid.addWidget(widget, place, column)
+                grid.addWidget(widget, index, column)
         self._add = Choice("Segment", ())
         self._add.setPlaceholderText("Add segment weight…")
         self._add.setToolTip("Override the weight of one segment. The abdomen is the spine below the chest.")

@@ -118,11 +118,11 @@ class ResidualTable(QWidget):
             width = (
                 (self.width() - RESIDUAL_GAP_PX) // RESIDUAL_COLUMNS if columns == RESIDUAL_COLUMNS else self.width()
             )
-            for place, residual in enumerate(self.residuals):
+            for index, residual in enumerate(self.residuals):
                 self._paint(
                     painter,
-                    place // columns * RESIDUAL_ROW_PX,
-                    place % columns * (width + RESIDUAL_GAP_PX),
+                    index // columns * RESIDUAL_ROW_PX,
+                    index % columns * (width + RESIDUAL_GAP_PX),
                     width,
                     residual,
                 )

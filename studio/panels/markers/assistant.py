@@ -204,8 +204,8 @@ class MarkerAssistant(QWidget):
         for role, labels in markers.items():
             for label in labels:
                 places.setdefault(label, []).append(ROLES_BY_ID[role].words)
-        for place in range(self.list.topLevelItemCount()):
-            item = self.list.topLevelItem(place)
+        for index in range(self.list.topLevelItemCount()):
+            item = self.list.topLevelItem(index)
             assert item is not None
             words = places.get(item.text(0), [])
             item.setText(1, ", ".join(words) or NOT_USED_TEXT)

@@ -63,8 +63,8 @@ class StepList(QWidget):
             widget = item.widget() if item is not None else None
             if widget is not None:
                 widget.deleteLater()
-        for place, step in enumerate(self.steps):
-            self._rows.addWidget(self._make_row(place, step))
+        for index, step in enumerate(self.steps):
+            self._rows.addWidget(self._make_row(index, step))
         if not self.steps:
             note = styled_label("No cleaning: the recorded data is used.", "hint")
             note.setContentsMargins(FIELD_ICON_PX, FIELD_ICON_PX, FIELD_ICON_PX, 0)

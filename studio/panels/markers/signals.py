@@ -175,7 +175,7 @@ def _one(name: str, times: FloatArray, values: FloatArray) -> SignalCurves:
 
 
 def _axes(name: str, times: FloatArray, values: FloatArray) -> SignalCurves:
-    return [(f"{name} {axis}", times, values[:, place]) for place, axis in enumerate(SIGNAL_AXES)]
+    return [(f"{name} {axis}", times, values[:, index]) for index, axis in enumerate(SIGNAL_AXES)]
 
 
 def _events_words(trial: Trial) -> str:

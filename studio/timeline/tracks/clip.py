@@ -77,7 +77,7 @@ def paint_clips(painter: QPainter, row: QRect, shown: RowContext, performer_id: 
         for comes, (_, bar) in zip(comings, bars, strict=True)
     ]
     begins = [bar.left() + after for after, (_, bar) in zip(afters, bars, strict=True)]
-    for place, ((clip, bar), comes, after) in enumerate(zip(bars, comings, afters, strict=True)):
+    for index, ((clip, bar), comes, after) in enumerate(zip(bars, comings, afters, strict=True)):
         overlap = min(max(end - bar.left(), 0.0), bar.width())
         fades = comes is not None and comes.fades
         if fades:
@@ -87,8 +87,8 @@ def paint_clips(painter: QPainter, row: QRect, shown: RowContext, performer_id: 
             paint_clip_bar(painter, shown, performer_id, clip, _rounded(bar.adjusted(after, 0, 0, 0)))
         _paint_repeats(painter, clip, bar)
         if comes is not None and not fades and (overlap >= 2.0 or comes.cut):
-            paint_take_over(painter, bar, begins[place], comes.cut)
-        nearest = min(begins[place + 1 :], default=bar.right())
+            paint_take_over(painter, bar, begins[index], comes.cut)
+        nearest = min(begins[index + 1 :], default=bar.right())
         room = bar.adjusted(overlap if fades else after, 0, min(nearest - bar.right(), 0.0), 0)
         paint_clip_text(painter, row_text(shown, clip), visible_part(shown, room))
         end = max(end, bar.right())

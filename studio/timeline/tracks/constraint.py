@@ -199,8 +199,8 @@ def strip_top(row: QRect, index: int) -> int:
 def _paint_strips(painter: QPainter, row: QRect, shown: RowContext, constraint_id: str) -> None:
     constraint = shown.project.constraints[constraint_id]
     left, right = (shown.x_of_motion_time(time) for time in (constraint.activation.start, constraint.activation.end))
-    for place, body in enumerate(bodies_of(shown, row, constraint_id) if constraint.enabled else ()):
-        strip, top = shown.strip(constraint_id, body.performer_id), strip_top(row, place)
+    for index, body in enumerate(bodies_of(shown, row, constraint_id) if constraint.enabled else ()):
+        strip, top = shown.strip(constraint_id, body.performer_id), strip_top(row, index)
         if not shown.applies_to(constraint_id, body.performer_id):
             continue
         if strip is not None:

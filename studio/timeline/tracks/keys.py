@@ -112,7 +112,7 @@ def keys_between(shown: RowContext, fields: Iterable[KeyedField], begin: float, 
     for field in fields:
         times = stage_times(shown, field)
         first, last = np.searchsorted(times, begin, "left"), np.searchsorted(times, end, "right")
-        found += [KeyRef(field, place) for place in range(int(first), int(last))]
+        found += [KeyRef(field, index) for index in range(int(first), int(last))]
     return tuple(found)
 
 

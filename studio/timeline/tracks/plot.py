@@ -97,8 +97,8 @@ class PlotPicture(QObject):
             line.setSegmentedLineMode("on")  # Qt strokes a long path of its own some fifty times slower
             self._item.addItem(line)
             self._lines.append(line)
-        for place, line in enumerate(self._lines):
-            line.setVisible(place < len(self.curves))
+        for index, line in enumerate(self._lines):
+            line.setVisible(index < len(self.curves))
 
     def _ask_worker(self, performer_id: str, basis: CurveInputs, make: Callable[[], Curve | None]) -> None:
         if self._asked.get(performer_id) == basis:

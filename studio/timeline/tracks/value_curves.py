@@ -193,8 +193,8 @@ class ValueCurves:
             project, clip = shown.project, shown.subject.clip
             xs = shown.axis.xs_of_times(all_to_stage(project, clip, channel.field, keyed.times))
             ys = self._ys_of(shown, area, channel, key_values(channel, keyed))
-            for place, (x, y) in enumerate(zip(xs.tolist(), ys.tolist(), strict=True)):
-                yield HandleRef(channel, place), QPointF(x, y)
+            for index, (x, y) in enumerate(zip(xs.tolist(), ys.tolist(), strict=True)):
+                yield HandleRef(channel, index), QPointF(x, y)
 
     def hit(self, shown: RowContext, area: QRect, position: QPointF) -> HandleRef | None:
         """Handle, or else key, under the mouse: the nearest one, in the active channel first. None if there is none."""

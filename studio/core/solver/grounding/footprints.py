@@ -191,13 +191,13 @@ def _spans(states: NDArray[np.int64]) -> list[tuple[int, int, int, int]]:
     for begin, end in spans_of(states != 0):
         heels = [(begin + a, begin + b) for a, b in spans_of((states[begin : end + 1] & HEEL_STANDS) != 0)]
         leader = len(found)
-        for place, (first, last) in enumerate(heels or [(begin, end)]):
+        for index, (first, last) in enumerate(heels or [(begin, end)]):
             flat = [(first + a, first + b) for a, b in spans_of(states[first : last + 1] == SOLE_STANDS)]
             longest = max(flat or [(first, last)], key=lambda run: run[1] - run[0])
             found.append(
                 (
-                    begin if place == 0 else first,
-                    end if place == max(len(heels), 1) - 1 else last,
+                    begin if index == 0 else first,
+                    end if index == max(len(heels), 1) - 1 else last,
                     (longest[0] + longest[1]) // 2,
                     leader,
                 )

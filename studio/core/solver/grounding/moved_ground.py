@@ -33,6 +33,6 @@ def moved_to_height(standing: "GroundedMotion", height: float) -> "GroundedMotio
     )
 
 
-def _raised(places: FloatArray, rise: float) -> FloatArray:
+def _raised(positions: FloatArray, rise: float) -> FloatArray:
     """Positions (..., 3) raised by ``rise`` metres."""
-    return np.asarray(places + np.array([0.0, 0.0, rise]))
+    return np.asarray(positions + np.array([0.0, 0.0, rise]))

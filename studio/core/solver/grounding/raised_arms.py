@@ -132,9 +132,9 @@ def _raise_hand(side: int, free: FloatArray, posed: _PosedBody) -> None:
     positions[raised], rotations[raised] = moved
 
 
-def _above(ground: Ground, places: FloatArray) -> FloatArray:
-    """Heights (...) in metres of ``places`` (..., 3) above the ground."""
-    return np.asarray(places[..., 2] - ground.height_at(places))
+def _above(ground: Ground, positions: FloatArray) -> FloatArray:
+    """Heights (...) in metres of ``positions`` (..., 3) above the ground."""
+    return np.asarray(positions[..., 2] - ground.height_at(positions))
 
 
 def _raise_elbow(side: int, free: FloatArray, posed: _PosedBody) -> None:

@@ -85,13 +85,13 @@ class Sole:
         return cls(ankles, feet, toes, points)
 
 
-def rounded_ground_height(ground: Ground, places: FloatArray) -> FloatArray:
-    """Ground height (...) in metres at ``places`` (..., 2 or 3), with every edge rounded within ``SOLE_TOLERANCE``
+def rounded_ground_height(ground: Ground, positions: FloatArray) -> FloatArray:
+    """Ground height (...) in metres at ``positions`` (..., 2 or 3), with every edge rounded within ``SOLE_TOLERANCE``
     metres.
     """
     angles = np.pi / 4.0 * np.arange(8)
     ring = np.concatenate([np.zeros((1, 2)), SOLE_TOLERANCE * np.column_stack([np.cos(angles), np.sin(angles)])])
-    return np.asarray(ground.height_at(places[..., None, :2] + ring).min(axis=-1))
+    return np.asarray(ground.height_at(positions[..., None, :2] + ring).min(axis=-1))
 
 
 def clear_swing_foot(level: Sole, sole: Sole, states: NDArray[np.int64], ground: Ground, frame_rate: float) -> Sole:
@@ -264,8 +264,8 @@ def _bent_least(target: FloatArray, weights: FloatArray) -> FloatArray:
     bands = np.zeros((3, count))
     bands[2] = weights + _SCARCE
     if count > 2:
-        for place, fraction in enumerate((1.0, 4.0, 1.0)):
-            bands[2, place : count - 2 + place] += fraction
+        for index, fraction in enumerate((1.0, 4.0, 1.0)):
+            bands[2, index : count - 2 + index] += fraction
         bands[1, 1:-1] -= 2.0
         bands[1, 2:] -= 2.0
         bands[0, 2:] += 1.0

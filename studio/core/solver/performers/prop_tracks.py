@@ -109,24 +109,24 @@ def stage_track(prop: Prop, seconds: ArrayLike, hands: Mapping[str, Hands] = Map
     the prop.
     """
     times = np.atleast_1d(np.asarray(seconds, dtype=np.float64))
-    return _left_by([place for place, each in enumerate(prop.holds) if each.performer_id in hands], prop, times, hands)
+    return _left_by([index for index, each in enumerate(prop.holds) if each.performer_id in hands], prop, times, hands)
 
 
-def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mapping[str, Hands]) -> Track:
-    """Track of a prop after the holds with the indices ``places``, in order, as if there were no later ones.
+def _left_by(indices: Sequence[int], prop: Prop, times: FloatArray, hands: Mapping[str, Hands]) -> Track:
+    """Track of a prop after the holds with the indices ``indices``, in order, as if there were no later ones.
 
     When taken, it blends from its position, or from the giver's hands, into the holder's hands; when put down, from
     there to its position.
     """
-    if not places:
+    if not indices:
         return _unheld(prop, times)
-    hold, put = prop.holds[places[-1]], prop.release_is_keyed(places[-1])
+    hold, put = prop.holds[indices[-1]], prop.release_is_keyed(indices[-1])
     theirs = hands[hold.performer_id]
     if hold.is_always:
         return theirs.track(hold)
     track = _spread(theirs.track(hold), len(times))
     lasting = np.inf if hold.begin is None or hold.end is None else hold.end - hold.begin
-    for moment, sign, before in ((hold.begin, 1.0, places[:-1]), (hold.end if put else None, -1.0, ())):
+    for moment, sign, before in ((hold.begin, 1.0, indices[:-1]), (hold.end if put else None, -1.0, ())):
         if moment is None:
             continue
         there, here = _at(moment, before, prop, hands), theirs.pose_at(moment).track(hold)
@@ -140,9 +140,9 @@ def _left_by(places: Sequence[int], prop: Prop, times: FloatArray, hands: Mappin
         turns = _part_of(other.rotations.transpose(0, 2, 1) @ track.rotations, weights)
         track.rotations[:] = other.rotations @ turns
     if hold.begin is not None:
-        _put(track, times < hold.begin, _left_by(places[:-1], prop, times, hands))
+        _put(track, times < hold.begin, _left_by(indices[:-1], prop, times, hands))
     if hold.end is not None and (times > hold.end).any():
-        _put(track, times > hold.end, _unheld(prop, times) if put else _at(hold.end, places, prop, hands))
+        _put(track, times > hold.end, _unheld(prop, times) if put else _at(hold.end, indices, prop, hands))
     return track
 
 
@@ -151,9 +151,9 @@ def hand_over_seconds(distance: float) -> float:
     return max(LEAST_HAND_OVER_SECONDS, QUINTIC_PEAK_SLOPE * distance / MAX_HAND_OVER_SPEED)
 
 
-def _at(moment: float, places: Sequence[int], prop: Prop, hands: Mapping[str, Hands]) -> Track:
-    """Track of one frame, at the second ``moment``, of a prop after the holds ``places``."""
-    return _left_by(places, prop, np.array([moment]), {key: each.pose_at(moment) for key, each in hands.items()})
+def _at(moment: float, indices: Sequence[int], prop: Prop, hands: Mapping[str, Hands]) -> Track:
+    """Track of one frame, at the second ``moment``, of a prop after the holds ``indices``."""
+    return _left_by(indices, prop, np.array([moment]), {key: each.pose_at(moment) for key, each in hands.items()})
 
 
 def _spread(track: Track, count: int) -> Track:

@@ -79,8 +79,8 @@ def composite_of(project: Project, performer_id: str, motion_of: MotionOf) -> Co
     performer = project.performers[performer_id]
     row = [
         piece
-        for place, clip in enumerate(performer.clips)
-        for piece in pieces_of(project, performer_id, clip, motion_of, place)
+        for index, clip in enumerate(performer.clips)
+        for piece in pieces_of(project, performer_id, clip, motion_of, index)
     ]
     overlays = [
         PlayedLayer(

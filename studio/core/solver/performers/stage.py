@@ -58,8 +58,8 @@ def _asked_of(project: Project, performer_id: str) -> tuple[ClipConstraint, ...]
     """Constraints of ``constraints_of_performer``, computed without its cache."""
     performer, playing = project.performers[performer_id], _playing(project)
     asked = [
-        ClipConstraint(key, with_held_props_reflected(project, performer_id, clip, held, repeat), place, repeat)
-        for place, clip in enumerate(performer.clips)
+        ClipConstraint(key, with_held_props_reflected(project, performer_id, clip, held, repeat), index, repeat)
+        for index, clip in enumerate(performer.clips)
         for key, constraint in project.constraints_for(performer_id, clip).items()
         if constraint.enabled
         and (
@@ -148,7 +148,7 @@ def _dependency_cycles(keys: list[str], leaders: dict[str, set[str]]) -> dict[st
     from scipy.sparse import coo_array  # late: it takes longer than a window
     from scipy.sparse.csgraph import connected_components
 
-    row = {key: place for place, key in enumerate(keys)}
+    row = {key: index for index, key in enumerate(keys)}
     edges = np.array([(row[key], row[leader]) for key in keys for leader in leaders[key]], dtype=np.int64).reshape(
         -1, 2
     )
