@@ -17,8 +17,8 @@ from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels.search.joints import ROOT_TRANSLATION
-from studio.core.solver.asking.chains import joints_of_chains, relevant_chain, segment_masses
 from studio.core.solver.grounding.grounded_motion import GroundedMotion
+from studio.core.solver.task_assembly.chains import joints_of_chains, relevant_chain, segment_masses
 
 FloatArray = NDArray[np.float64]
 

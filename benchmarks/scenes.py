@@ -25,9 +25,9 @@ from studio.core.grounds.ground import Ground
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
-from studio.core.solver.asking.contact_release import constraint_activations
 from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.task_assembly.contact_release import constraint_activations
 from studio.io.importing import GUESS_ALL
 from studio.io.project.character_file import bundled_characters
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, ReadyCapture, ready_capture

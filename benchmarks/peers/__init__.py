@@ -21,9 +21,9 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.quality.metrics import centre_of_mass
 from studio.core.rigs.character_skeleton import character_poses, character_skeleton, joint_points
 from studio.core.solver.adapt import adapt, solve_constraints
-from studio.core.solver.asking.chains import segment_masses
-from studio.core.solver.asking.points import point_indices
 from studio.core.solver.grounding.grounded_motion import ground_motion
+from studio.core.solver.task_assembly.chains import segment_masses
+from studio.core.solver.task_assembly.points import point_indices
 
 PYTHON = os.environ.get("PEERS_PYTHON", sys.executable)
 """The interpreter in which the peers are installed, as by ``pip install -e .[peers]``."""

@@ -42,7 +42,7 @@ class StrikeTarget:
             return prop_at(project, posed, self.id, time).place
         if self.id not in posed:
             return None
-        from studio.core.solver.asking.points import point_indices  # not before it is needed: it loads kernels
+        from studio.core.solver.task_assembly.points import point_indices  # not before it is needed: it loads kernels
 
         pose = posed[self.id]
         origin, segment = point_indices(FACE_POINT, pose.motion.morphology.layout)

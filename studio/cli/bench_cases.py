@@ -22,9 +22,9 @@ from studio.core.kernels import channel_columns as channel
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.rotations import normalized
 from studio.core.solver.adapt import solve_constraints
-from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.task_assembly.tracks import Track, Tracks
 from studio.jobs.adaptation import ADAPTED_MOTION_ID, ReadyCapture
 
 FloatArray = NDArray[np.float64]

@@ -66,9 +66,9 @@ def _speeds(
     (N,): without the correction ``before``, which ``motion`` has, and with each of ``corrections`` in its place. Ankles
     follow a correction as far as their contacts release them.
     """
-    from studio.core.solver.asking.points import limb_of  # these load kernels
     from studio.core.solver.correction_layer import PosedFrames, with_offsets
     from studio.core.solver.grounding.body_support import limb_freedom
+    from studio.core.solver.task_assembly.points import limb_of  # these load kernels
 
     layout, leg_length = motion.morphology.layout, motion.body.leg_length
     shown = PosedFrames(motion.positions[rows], motion.rotations[rows])

@@ -199,7 +199,7 @@ def hold_in_hand(pose: PropPose, performer_id: str, point: BodyPoint, holder: Po
     there.
     """
     motion, row, layout = holder.motion, holder.row, holder.motion.morphology.layout
-    from studio.core.solver.asking.points import point_indices  # loads kernels
+    from studio.core.solver.task_assembly.points import point_indices  # loads kernels
 
     origin, segment = point_indices(point, layout)
     axes = motion.rotations[row, segment]

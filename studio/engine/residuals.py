@@ -211,7 +211,7 @@ def inactivity(project: Project, performer_id: str, motion: AdaptedMotion | None
 
 @project_cache(maxsize=64)
 def _freedom(contacts: tuple[ContactInterval, ...], part: BodyPart, frame_count: int, frame_rate: float) -> FloatArray:
-    from studio.core.solver.asking.points import limb_of
     from studio.core.solver.grounding.body_support import limb_freedom  # not before a result is there: it loads kernels
+    from studio.core.solver.task_assembly.points import limb_of
 
     return limb_freedom(contacts, limb_of(part), frame_count, frame_rate)

@@ -15,9 +15,16 @@ from studio.core.constraints.own_place import KeyedOwnPlace, OwnPlace
 from studio.core.constraints.procedural import ProceduralPlace
 from studio.core.constraints.target import Place, follows_of, own_place_of, own_places_of, with_own_place
 from studio.core.curves.keyed import KeyedPlace, Quaternion
-from studio.core.solver.asking.tracks import Targets, Track, fixed_at, moved_target, raised_along_arms, turned_target
 from studio.core.solver.performers.rows import clip_transform
 from studio.core.solver.request import UnconstrainedPoses
+from studio.core.solver.task_assembly.tracks import (
+    Targets,
+    Track,
+    fixed_at,
+    moved_target,
+    raised_along_arms,
+    turned_target,
+)
 from studio.core.stage.mirrored_props import constraint_as_played
 from studio.core.stage.project import Project
 from studio.engine.posed_performer import PosedPerformer

@@ -15,12 +15,12 @@ from studio.core.errors import StudioError
 from studio.core.normalized.compose import Composite, compose_pieces
 from studio.core.normalized.pieces import MotionPiece
 from studio.core.solver.adapt import adapt
-from studio.core.solver.asking.tracks import Track
 from studio.core.solver.performers.dependency_cycles import CycleMember, solve_cycle
 from studio.core.solver.performers.followed_tracks import captured_joint_track
 from studio.core.solver.performers.prop_tracks import stage_track, track_in_motion_space
 from studio.core.solver.performers.stage import constraint_for_performer
 from studio.core.solver.request import AdaptRequest
+from studio.core.solver.task_assembly.tracks import Track
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
 

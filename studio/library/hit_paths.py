@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.canonical import BodyLayout
 from studio.core.body.morphology import Morphology
-from studio.core.solver.asking.points import point_indices
+from studio.core.solver.task_assembly.points import point_indices
 from studio.library.clip_labels import ClipLabel, HitSegment, Limb, hit_point
 
 FloatArray = NDArray[np.float64]

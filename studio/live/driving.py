@@ -10,8 +10,8 @@ from studio.core.constraints.carried_over import ClipTransform, constraint_on_cl
 from studio.core.normalized.encode import encode_motion
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.adapt import solve_constraints
-from studio.core.solver.asking.tracks import OwnPath
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.task_assembly.tracks import OwnPath
 from studio.live import vmc
 from studio.live.live_grounding import LiveGrounding
 from studio.live.tracker import Inbox

@@ -10,11 +10,11 @@ from studio.core.kernels.limbs.limb import SOFT_IK_THRESHOLD
 from studio.core.kernels.solve_clip import place_frames
 from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STANDS
 from studio.core.normalized.realize import realize_motion
-from studio.core.solver.asking.self_contact import self_contact_of
 from studio.core.solver.grounding.footing import Footing, leg_soft_thresholds, reach_relaxation
 from studio.core.solver.grounding.grounded_motion import GroundedMotion
 from studio.core.solver.grounding.raised_arms import raise_arms
 from studio.core.solver.request import AdaptRequest
+from studio.core.solver.task_assembly.self_contact import self_contact_of
 from studio.live.foothold import DampedHeight, Foothold, FootPose
 
 FloatArray = NDArray[np.float64]

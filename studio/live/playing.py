@@ -15,12 +15,12 @@ from studio.core.constraints.carried_over import BOUNDARY_FADE_SECONDS
 from studio.core.curves.activation import ActivationCurve, ease
 from studio.core.normalized.compose import Composite
 from studio.core.solver.adapt import grounded_motion
-from studio.core.solver.asking.tracks import Tracks, fixed_at
 from studio.core.solver.grounding.grounded_motion import GroundedMotion, grounded_motion_of
 from studio.core.solver.performers.rows import composite_of, constraints_in, pieces_of
 from studio.core.solver.performers.stage import constraints_of_performer
 from studio.core.solver.performers.staged_performances import PrepareCapture, motion_of, unconstrained_request
 from studio.core.solver.solved_window import targets_of
+from studio.core.solver.task_assembly.tracks import Tracks, fixed_at
 from studio.core.stage.project import Project
 from studio.live.takeover import LAST_POSE_SECONDS, SPEED_FRAMES, take_over
 

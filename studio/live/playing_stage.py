@@ -19,13 +19,13 @@ from studio.core.errors import StudioError
 from studio.core.normalized.transition import LEAST_TRANSITION_SECONDS
 from studio.core.rigs.played_fingers import fingers_of_performer
 from studio.core.solver.adapt import body_point_positions, solve_constraints, solve_request
-from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.performers.anticipated_targets import anticipated_time, with_expected_positions
 from studio.core.solver.performers.dependency_cycles import CycleMember, Paths, paths_of, solve_cycle
 from studio.core.solver.performers.rows import corrections_in
 from studio.core.solver.performers.stage import leaders_first, props_of, tracks_followed_by, tracks_of
 from studio.core.solver.performers.staged_performances import PrepareCapture
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.task_assembly.tracks import Track, Tracks
 from studio.core.stage.behaviour import BehaviourProgress, advanced_progress, initial_progress
 from studio.core.stage.clip import Clip
 from studio.core.stage.conditions import ConditionInput

@@ -237,7 +237,7 @@ def _turn(pose: PosedPerformer, point: BodyPoint) -> FloatArray:
 
 
 def _allowed(constraint: AreaConstraint, position: FloatArray) -> FloatArray:
-    from studio.core.solver.asking.area_rows import (
+    from studio.core.solver.task_assembly.area_rows import (
         nearest_allowed_position,
     )  # not before a result is there: it loads kernels
 
@@ -245,7 +245,7 @@ def _allowed(constraint: AreaConstraint, position: FloatArray) -> FloatArray:
 
 
 def _rotation(constraint: AreaConstraint) -> FloatArray:
-    from studio.core.solver.asking.area_rows import fixed_rotation  # as above
+    from studio.core.solver.task_assembly.area_rows import fixed_rotation  # as above
 
     return fixed_rotation(constraint)
 

@@ -8,8 +8,8 @@ import numpy as np
 from studio.core.constraints.balance import Support
 from studio.core.constraints.base import LEAST_CONSTRAINT_WEIGHT, Constraint
 from studio.core.rotations import from_matrix, to_matrix
-from studio.core.solver.asking.shared_goals import groups_with_shared_goal, weighted_mean
 from studio.core.solver.performers.stage import constraints_of_performer
+from studio.core.solver.task_assembly.shared_goals import groups_with_shared_goal, weighted_mean
 from studio.core.stage.held_grips import gripped_prop
 from studio.core.stage.project import Project
 from studio.engine.posed_performer import PosedPerformer

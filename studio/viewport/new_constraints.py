@@ -28,8 +28,8 @@ from studio.core.curves.retiming import speed_at
 from studio.core.names import free_name
 from studio.core.normalized.mirror import mirrored_contacts
 from studio.core.rotations import from_matrix
-from studio.core.solver.asking.points import limb_of
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.task_assembly.points import limb_of
 from studio.core.stage.project import Project
 from studio.engine.posed_performer import PosedPerformer
 from studio.engine.target_context import TargetContext

@@ -224,7 +224,9 @@ class RotatedArea(RotatedAboutCentre):
 
 
 def _area_rotation(fixed: AreaConstraint) -> FloatArray:
-    from studio.core.solver.asking.area_rows import fixed_rotation  # not before a result is there: it loads kernels
+    from studio.core.solver.task_assembly.area_rows import (
+        fixed_rotation,
+    )  # not before a result is there: it loads kernels
 
     return fixed_rotation(fixed)
 

@@ -11,7 +11,7 @@ import pytest
 from tests.architecture.sources import ROOT, place_of, tree_of
 
 ONE_FILE_A_KIND = (
-    "app/verbs", "cli", "core/constraints", "core/kernels/tasks", "core/solver/asking/kinds", "library/scenes",
+    "app/verbs", "cli", "core/constraints", "core/kernels/tasks", "core/solver/task_assembly/kinds", "library/scenes",
     "panels/constraint_editors", "timeline/gestures", "timeline/tracks",
 )  # fmt: skip
 """Folders whose files are named after a kind of thing that stands elsewhere as well, beside the folders of formats."""
@@ -57,7 +57,7 @@ def constants_of(file: Path) -> set[str]:
 def functions_of_core(file: Path) -> set[str]:
     """Public functions of a module of the core, but for kinds of constraint, which all answer the same questions."""
     place = file.relative_to(ROOT / "studio").as_posix()
-    if not place.startswith("core/") or place.startswith("core/solver/asking/kinds/"):
+    if not place.startswith("core/") or place.startswith("core/solver/task_assembly/kinds/"):
         return set()
     names = {node.name for node in tree_of(file).body if isinstance(node, ast.FunctionDef)}
     return {name for name in names if not name.startswith("_")}

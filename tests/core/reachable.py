@@ -5,8 +5,8 @@ import numpy as np
 from studio.core.body.canonical import BodyPart
 from studio.core.body.morphology import Morphology
 from studio.core.constraints.base import BodyPoint, Chain
-from studio.core.solver.asking.points import limb_of, point_indices
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.task_assembly.points import limb_of, point_indices
 from tests.core.twins.body import turn_part
 from tests.core.twins.rotation import from_vector
 

@@ -15,8 +15,8 @@ from studio.core.constraints.look_at import EYES_POINT, LookAtConstraint
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.constraints.position import PositionConstraint
 from studio.core.solver.adapt import body_point_positions
-from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.task_assembly.tracks import Track, Tracks
 from tests.core.motions import ALWAYS, RATE
 from tests.core.twins.rotation import from_vector
 

@@ -17,8 +17,8 @@ from studio.core.grounds.ground import Ground
 from studio.core.normalized.realize import realize_motion
 from studio.core.quality.metrics import contact_quality
 from studio.core.solver.adapt import adapt, body_point_positions
-from studio.core.solver.asking.points import limb_of, point_indices
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.task_assembly.points import limb_of, point_indices
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_constraint, make_morphology
 from tests.core.grounding import adapt_again

@@ -22,9 +22,9 @@ from studio.core.mesh.skin import fit_skin, skin_vertices
 from studio.core.mesh.volume import BodyVolume, fitted_volume, usual_volume
 from studio.core.rigs.character_skeleton import t_pose_rotations
 from studio.core.solver.adapt import adapt, body_point_positions
-from studio.core.solver.asking.clearance import arm_distances, rest_clearances
-from studio.core.solver.asking.self_contact import self_contact_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.task_assembly.clearance import arm_distances, rest_clearances
+from studio.core.solver.task_assembly.self_contact import self_contact_of
 from studio.io.project.character_file import bundled_characters
 from tests.core.motions import walk
 

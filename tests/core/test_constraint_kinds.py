@@ -30,9 +30,9 @@ from studio.core.quality.metrics import centre_of_mass, contact_quality
 from studio.core.quality.report import report_of
 from studio.core.rotations import from_matrix, to_matrix
 from studio.core.solver.adapt import adapt, body_point_positions
-from studio.core.solver.asking.area_rows import nearest_allowed_position
 from studio.core.solver.grounding.grounded_motion import grounded_motion_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.task_assembly.area_rows import nearest_allowed_position
 from studio.io.project.character_file import bundled_characters
 from tests.core.motions import walk
 

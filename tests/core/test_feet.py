@@ -19,12 +19,12 @@ from studio.core.kernels.support.sole import HEEL_STANDS, SOLE_STANDS, TOE_STAND
 from studio.core.normalized.realize import realize_motion
 from studio.core.rotations import to_matrix
 from studio.core.solver.adapt import body_point_positions, solve_constraints
-from studio.core.solver.asking.contact_release import contact_release
 from studio.core.solver.grounding.foot_tipping import heights_of
 from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.grounding.held_foot import FootPath
 from studio.core.solver.grounding.pelvis_tilt import MAX_OBLIQUITY, tilt_pelvis_to_feet
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.task_assembly.contact_release import contact_release
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_morphology
 from tests.core.motions import about, from_vectors, random_rotations, target, walk

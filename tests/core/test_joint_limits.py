@@ -14,9 +14,9 @@ from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.quality.report import BLOCKED_BY_LIMITS, blocking_constraints
-from studio.core.solver.asking.tracks import Track
 from studio.core.solver.grounding.grounded_motion import grounded_motion_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.task_assembly.tracks import Track
 from studio.io.project.character_file import bundled_characters
 from tests.core.grounding import adapt_again
 from tests.core.motions import ALWAYS, RATE, local_rotations, target, walk

@@ -24,9 +24,9 @@ from studio.core.kernels.records import LimbShape, Pose
 from studio.core.normalized.realize import realize_motion
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import solve_constraints
-from studio.core.solver.asking.tracks import Track
 from studio.core.solver.grounding.grounded_motion import ground_motion
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.task_assembly.tracks import Track
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_morphology
 from tests.core.motions import ALWAYS, RATE, local_rotations, random_rotations, target, walk

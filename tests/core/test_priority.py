@@ -42,9 +42,9 @@ from studio.core.normalized.realize import realize_motion
 from studio.core.quality.metrics import contact_quality
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import body_point_positions, solve_constraints
-from studio.core.solver.asking.chains import CLAVICLE_LIMIT, VERTEBRA_LIMIT, joints_of_chains
 from studio.core.solver.grounding.grounded_motion import ground_motion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.task_assembly.chains import CLAVICLE_LIMIT, VERTEBRA_LIMIT, joints_of_chains
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture, make_morphology, make_skeleton
 from tests.core.grounding import adapt_again

@@ -49,10 +49,10 @@ from studio.core.quality.report import (
 )
 from studio.core.rotations import to_matrix
 from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
-from studio.core.solver.asking.clearance import arm_distances
 from studio.core.solver.grounding.grounded_motion import grounded_motion_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.solved_window import SolverLimits
+from studio.core.solver.task_assembly.clearance import arm_distances
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_morphology
 from tests.core.motions import RATE, about, walk

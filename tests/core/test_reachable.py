@@ -17,11 +17,11 @@ from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import contact_quality, point_heights
 from studio.core.quality.report import BLOCKED_BY_GROUND, report_of
 from studio.core.solver.adapt import body_point_positions, solve_constraints
-from studio.core.solver.asking.contact_release import constraint_activations, contact_release, ramped_target
-from studio.core.solver.asking.ground_limit import target_above_ground
-from studio.core.solver.asking.tracks import Track
 from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.task_assembly.contact_release import constraint_activations, contact_release, ramped_target
+from studio.core.solver.task_assembly.ground_limit import target_above_ground
+from studio.core.solver.task_assembly.tracks import Track
 from studio.io.project.character_file import bundled_characters
 from tests.core.grounding import adapt_again
 from tests.core.motions import target, walk

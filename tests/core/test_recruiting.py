@@ -38,12 +38,16 @@ from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.normalize import normalize_capture
 from studio.core.quality.metrics import acceleration_ratio, angular_acceleration, contact_quality
 from studio.core.solver.adapt import solve_constraints
-from studio.core.solver.asking.chains import joints_of_chains, point_masses, segment_masses
-from studio.core.solver.asking.limb_availability import arm_limit_fractions, leg_limit_fractions, limb_availability
 from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.grounding.support_polygon import mass_path
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.solved_window import SolverLimits
+from studio.core.solver.task_assembly.chains import joints_of_chains, point_masses, segment_masses
+from studio.core.solver.task_assembly.limb_availability import (
+    arm_limit_fractions,
+    leg_limit_fractions,
+    limb_availability,
+)
 from studio.io.project.character_file import bundled_characters
 from tests.builders import make_capture, make_skeleton
 from tests.core.motions import ALWAYS, HINGES, RATE, about, local_rotations, target, walk

@@ -34,14 +34,14 @@ from studio.core.quality.metrics import angular_acceleration, contact_quality
 from studio.core.quality.report import BLOCKED_BY_SMOOTHING, report_of
 from studio.core.rotations import angle_between, from_matrix
 from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
-from studio.core.solver.asking.contact_release import constraint_activations
-from studio.core.solver.asking.packing import pack_tasks
-from studio.core.solver.asking.tracks import Targets, Track
 from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
 from studio.core.solver.smoothing.target_motion import target_accelerations
 from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow
+from studio.core.solver.task_assembly.contact_release import constraint_activations
+from studio.core.solver.task_assembly.packing import pack_tasks
+from studio.core.solver.task_assembly.tracks import Targets, Track
 from studio.io.importing import GUESS_ALL, load_capture
 from studio.io.project.character_file import bundled_characters
 from studio.jobs.adaptation import ReadyCapture, ready_capture, ready_from_capture

@@ -30,7 +30,6 @@ from studio.core.normalized.normalize import normalize_capture
 from studio.core.quality.metrics import centre_of_mass, contact_quality
 from studio.core.rotations import angle_between, from_matrix, to_matrix
 from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
-from studio.core.solver.asking.tracks import Track
 from studio.core.solver.grounding.grounded_motion import ground_motion
 from studio.core.solver.grounding.support_polygon import (
     averaged_polygons,
@@ -43,6 +42,7 @@ from studio.core.solver.performers.followed_tracks import captured_joint_track, 
 from studio.core.solver.performers.prop_tracks import stage_track, track_in_motion_space
 from studio.core.solver.performers.stage import constraint_for_performer
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.task_assembly.tracks import Track
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
 from studio.io.project.character_file import bundled_characters

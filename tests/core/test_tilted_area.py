@@ -16,9 +16,9 @@ from studio.core.constraints.follow import UNTURNED, FollowProp
 from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedTurn
 from studio.core.solver.adapt import adapt, body_point_positions
-from studio.core.solver.asking.area_rows import nearest_allowed_position
-from studio.core.solver.asking.tracks import Track
 from studio.core.solver.request import AdaptRequest
+from studio.core.solver.task_assembly.area_rows import nearest_allowed_position
+from studio.core.solver.task_assembly.tracks import Track
 from studio.io.project.character_file import bundled_characters
 from tests.core.motions import walk
 from tests.core.test_constraint_kinds import BLOCK

@@ -21,9 +21,9 @@ from studio.core.normalized.realize import realize_motion
 from studio.core.normalized.touching import find_touches, hands_together_or_holding
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import adapt, body_point_positions
-from studio.core.solver.asking.chains import point_masses
-from studio.core.solver.asking.clearance import arm_distances
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.task_assembly.chains import point_masses
+from studio.core.solver.task_assembly.clearance import arm_distances
 from studio.io.importing import load_capture
 from studio.io.project.character_file import bundled_characters
 from studio.io.project.entity_json import entity_of, entity_record

@@ -131,7 +131,10 @@ def test_the_example_in_the_guide_is_read(tmp_path):
             r"'Right wrist'\), activation: shape: one of linear, smooth, quintic expected, not 'bouncy'",
         ),
         ({"constraints": [{**WRIST, "target": [0, 1e300, 0]}]}, r"'Right wrist'\), target, 1: 1e\+300 is out of range"),
-        ({"constraints": [{**WRIST, "priority": 10**400}]}, r"'Right wrist'\), priority: 10000000000000000000 is out of range"),
+        (
+            {"constraints": [{**WRIST, "priority": 10**400}]},
+            r"'Right wrist'\), priority: 10000000000000000000 is out of range",
+        ),
         ({"constraints": [{k: v for k, v in WRIST.items() if k != "kind"}]}, "'Right wrist'.* kind: .* it says none"),
         ({"constraints": [{**WRIST, "colour": NAN}]}, "'Right wrist'.*'colour' is not known"),
         ({"constraints": [{k: v for k, v in WRIST.items() if k != "name"}]}, r"constraints\[0\], name missing"),

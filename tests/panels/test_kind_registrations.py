@@ -3,7 +3,7 @@
 import pytest
 
 from studio.core.constraints.kinds import BUILT_IN_KINDS, ConstraintKind
-from studio.core.solver.asking.kinds.kind import SolverKind
+from studio.core.solver.task_assembly.kinds.kind import SolverKind
 from studio.panels.constraint_editors.common import ConstraintEditor
 from studio.viewport import handle_figures, new_constraints
 from studio.viewport.movables import MovableTarget

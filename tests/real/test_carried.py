@@ -16,10 +16,10 @@ from studio.core.grounds import Bumps, Slope
 from studio.core.grounds.ground import Ground
 from studio.core.quality.metrics import acceleration_ratio, contact_quality, swing_depths
 from studio.core.solver.adapt import adapt, body_point_positions, solve_constraints
-from studio.core.solver.asking.tracks import Track
 from studio.core.solver.grounding.grounded_motion import ground_motion
 from studio.core.solver.request import AdaptRequest
 from studio.core.solver.source import source_motion
+from studio.core.solver.task_assembly.tracks import Track
 from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.core.motions import target

@@ -16,10 +16,10 @@ from studio.core.kernels.limits.arm_clearance import MAX_INHERITED_CLEARANCE
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.solver.adapt import solve_constraints
-from studio.core.solver.asking.clearance import arm_distances
 from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.request import AdaptedMotion
 from studio.core.solver.source import source_motion
+from studio.core.solver.task_assembly.clearance import arm_distances
 from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken

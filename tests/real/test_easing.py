@@ -13,9 +13,9 @@ from studio.core.grounds.ground import Ground
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration, contact_quality
 from studio.core.solver.adapt import body_point_positions, solve_constraints
-from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.grounding.grounded_motion import GroundedMotion, ground_motion
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.task_assembly.tracks import Track, Tracks
 from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.core.motions import ALWAYS, local_rotations

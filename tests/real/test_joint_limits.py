@@ -20,9 +20,9 @@ from studio.core.constraints.follow import FollowTracked
 from studio.core.constraints.position import PositionConstraint
 from studio.core.quality.metrics import acceleration_ratio
 from studio.core.solver.adapt import solve_constraints
-from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.grounding.grounded_motion import GroundedMotion, grounded_motion_of
 from studio.core.solver.request import AdaptRequest
+from studio.core.solver.task_assembly.tracks import Track, Tracks
 from studio.io.importing import GUESS_ALL
 from studio.jobs.adaptation import ready_capture
 from studio.resources_folder import example_captures_folder

@@ -13,9 +13,9 @@ from studio.core.normalized.normalize import detected_contacts
 from studio.core.quality.metrics import angular_acceleration
 from studio.core.quality.motion_quality import limb_elevations
 from studio.core.solver.adapt import adapt
-from studio.core.solver.asking.clearance import actor_clearances, arm_distances
 from studio.core.solver.grounding.grounded_motion import grounded_motion_of
 from studio.core.solver.request import AdaptRequest
+from studio.core.solver.task_assembly.clearance import actor_clearances, arm_distances
 from studio.io.project.character_file import bundled_characters
 from tests.captures import outside
 from tests.real.taken import contacts_of, named, taken

@@ -41,8 +41,8 @@ class HeightConstraint(api.Constraint):
 
 def task() -> Any:
     """The solver's part: the task of areas, written from the plane, and a residual of its own."""
-    from studio.core.solver.asking.kinds.area import AREA_KIND
-    from studio.core.solver.asking.posed_points import point_positions
+    from studio.core.solver.task_assembly.kinds.area import AREA_KIND
+    from studio.core.solver.task_assembly.posed_points import point_positions
 
     def write_task(rows: Any, c: int, constraint: HeightConstraint) -> None:
         AREA_KIND.write_task(rows, c, constraint.plane)

@@ -59,7 +59,7 @@ def _built_in(
     make, figure = _part("viewport.new_constraints", f"new_{kind}"), _part("viewport.handle_figures", f"{kind}_figure")
     return ConstraintKind(
         value,
-        _part(f"core.solver.asking.kinds.{kind}", f"{kind.upper()}_KIND") if solved else lambda: None,
+        _part(f"core.solver.task_assembly.kinds.{kind}", f"{kind.upper()}_KIND") if solved else lambda: None,
         lambda here: make()(here),
         _part(f"panels.constraint_editors.{kind}", value.__name__.replace("Constraint", "Editor")),
         (lambda constraint, pose, floor: figure()(constraint, pose, floor)) if drawn else None,

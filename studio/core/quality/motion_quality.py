@@ -17,9 +17,9 @@ from studio.core.kernels.support.sole import SOLE_STANDS
 from studio.core.mesh.volume import usual_volume
 from studio.core.normalized.transition import QUIET_PEAK
 from studio.core.quality.metrics import angular_acceleration
-from studio.core.solver.asking.clearance import arm_distances, rest_clearances
 from studio.core.solver.grounding.footing import foot_states
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.task_assembly.clearance import arm_distances, rest_clearances
 
 FloatArray = NDArray[np.float64]
 

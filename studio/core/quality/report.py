@@ -22,13 +22,13 @@ from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.quality.contact_tracks import contact_tracks
 from studio.core.quality.metrics import body_heights, knee_speeds, mass_margins, skate_distances
 from studio.core.solver.adapt import solve_constraints
-from studio.core.solver.asking.contact_release import constraint_activations, contact_release
-from studio.core.solver.asking.measured_residuals import full_residuals
-from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.grounding.grounded_motion import GroundedMotion
 from studio.core.solver.grounding.support_polygon import standing_mask
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow, SolverLimits, targets_of
+from studio.core.solver.task_assembly.contact_release import constraint_activations, contact_release
+from studio.core.solver.task_assembly.measured_residuals import full_residuals
+from studio.core.solver.task_assembly.tracks import Tracks
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -12,15 +12,15 @@ from studio.core.body.morphology import AnimatedMorphology
 from studio.core.compact_array import PoseArray, part_of
 from studio.core.constraints.base import BodyPoint, Constraint
 from studio.core.runs import runs_in
-from studio.core.solver.asking.contact_release import constraint_activations
-from studio.core.solver.asking.lifted_ends import constrained_ends, lift_ends
-from studio.core.solver.asking.measured_residuals import with_residuals_remeasured
-from studio.core.solver.asking.points import point_indices
-from studio.core.solver.asking.tracks import Tracks
 from studio.core.solver.grounding.grounded_motion import GroundedMotion, grounded_motion_of
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.level_smoothing import SMOOTHING_HORIZON_SECONDS
 from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow, SolverLimits
+from studio.core.solver.task_assembly.contact_release import constraint_activations
+from studio.core.solver.task_assembly.lifted_ends import constrained_ends, lift_ends
+from studio.core.solver.task_assembly.measured_residuals import with_residuals_remeasured
+from studio.core.solver.task_assembly.points import point_indices
+from studio.core.solver.task_assembly.tracks import Tracks
 
 FloatArray = NDArray[np.float64]
 

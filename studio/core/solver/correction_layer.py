@@ -23,12 +23,12 @@ from studio.core.normalized.encode import encode_motion
 from studio.core.project_cache import project_cache
 from studio.core.rotations import from_matrix, from_rotation_vector, inverse, multiply, to_matrix, to_rotation_vector
 from studio.core.runs import runs_of
-from studio.core.solver.asking.measured_residuals import full_residuals
 from studio.core.solver.grounding.contact_blending import RELEASE_SECONDS, release_weight, smooth_drops
 from studio.core.solver.grounding.footing import Footing
 from studio.core.solver.grounding.grounded_motion import GroundedMotion
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.solved_window import targets_of
+from studio.core.solver.task_assembly.measured_residuals import full_residuals
 from studio.core.stage.correction import Correction
 
 FloatArray = NDArray[np.float64]

@@ -14,7 +14,7 @@ from studio.core.grounds.ground import Ground
 from studio.core.mesh.volume import BodyVolume
 from studio.core.normalized.compose import Composite
 from studio.core.normalized.motion import NormalizedMotion
-from studio.core.solver.asking.tracks import Tracks
+from studio.core.solver.task_assembly.tracks import Tracks
 from studio.core.stage.correction import Correction
 
 FloatArray = NDArray[np.float64]

@@ -19,17 +19,6 @@ from studio.core.kernels import records
 from studio.core.kernels.records import HAND_CONTACT, BalanceJoints, BodyFrames, ConstraintSet, MotionArrays
 from studio.core.kernels.solve_clip import solve_frames
 from studio.core.runs import runs_of
-from studio.core.solver.asking.chains import joints_of_chains, point_masses, relevant_chain, segment_masses
-from studio.core.solver.asking.clearance import activations_by_tier, lowest_first, pack_clearance
-from studio.core.solver.asking.contact_constraints import contact_constraints, release_hands, write_contact_targets
-from studio.core.solver.asking.contact_release import contact_release, is_ramped, ramped_target
-from studio.core.solver.asking.ground_limit import ground_planes, target_above_ground
-from studio.core.solver.asking.kinds.known import ENTERING_KINDS
-from studio.core.solver.asking.limb_availability import arm_limit_fractions, leg_limit_fractions, limb_availability
-from studio.core.solver.asking.packing import pack_tasks, priority_order
-from studio.core.solver.asking.self_contact import arm_activations
-from studio.core.solver.asking.shared_goals import share_goals
-from studio.core.solver.asking.tracks import OwnPath, Targets, Track, Tracks, raised_along_arms
 from studio.core.solver.grounding.grounded_motion import GroundedMotion
 from studio.core.solver.grounding.support_polygon import mass_path, standing_mask, support_path
 from studio.core.solver.performers.followed_tracks import own_track
@@ -44,6 +33,25 @@ from studio.core.solver.smoothing.level_smoothing import (
 from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
 from studio.core.solver.smoothing.smoothed_root_reach import RootReach
 from studio.core.solver.smoothing.target_motion import target_accelerations
+from studio.core.solver.task_assembly.chains import joints_of_chains, point_masses, relevant_chain, segment_masses
+from studio.core.solver.task_assembly.clearance import activations_by_tier, lowest_first, pack_clearance
+from studio.core.solver.task_assembly.contact_constraints import (
+    contact_constraints,
+    release_hands,
+    write_contact_targets,
+)
+from studio.core.solver.task_assembly.contact_release import contact_release, is_ramped, ramped_target
+from studio.core.solver.task_assembly.ground_limit import ground_planes, target_above_ground
+from studio.core.solver.task_assembly.kinds.known import ENTERING_KINDS
+from studio.core.solver.task_assembly.limb_availability import (
+    arm_limit_fractions,
+    leg_limit_fractions,
+    limb_availability,
+)
+from studio.core.solver.task_assembly.packing import pack_tasks, priority_order
+from studio.core.solver.task_assembly.self_contact import arm_activations
+from studio.core.solver.task_assembly.shared_goals import share_goals
+from studio.core.solver.task_assembly.tracks import OwnPath, Targets, Track, Tracks, raised_along_arms
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

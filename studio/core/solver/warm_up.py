@@ -19,8 +19,6 @@ from studio.core.kernels.records import SEARCH_JOINT
 from studio.core.mesh.triangle_mesh import TriangleMesh
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.solver.adapt import adapt, solve_constraints
-from studio.core.solver.asking.area_rows import nearest_allowed_position
-from studio.core.solver.asking.contact_release import constraint_activations
 from studio.core.solver.grounding.contact_blending import smooth_drops
 from studio.core.solver.grounding.footing import Footing
 from studio.core.solver.grounding.grounded_motion import GroundedMotion, grounded_motion_of
@@ -29,6 +27,8 @@ from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.solver.smoothing.level_smoothing import SolveNotes
 from studio.core.solver.smoothing.limb_coordinates import LimbCoordinates
 from studio.core.solver.solved_window import ALL_LIMITS, SolvedWindow
+from studio.core.solver.task_assembly.area_rows import nearest_allowed_position
+from studio.core.solver.task_assembly.contact_release import constraint_activations
 
 WARM_UP_FRAMES = 4
 WARM_UP_POINT = BodyPoint(BodyPart.LEFT_HAND)

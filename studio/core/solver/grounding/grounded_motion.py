@@ -21,7 +21,6 @@ from studio.core.mesh.volume import BodyVolume
 from studio.core.normalized.motion import NormalizedMotion
 from studio.core.normalized.realize import realize_motion
 from studio.core.runs import runs_in
-from studio.core.solver.asking.self_contact import PUSH_OUT_ROUNDS, SelfContact, self_contact_of, standing_hand_weights
 from studio.core.solver.grounding.body_support import GroundContact, find_support, limb_freedom
 from studio.core.solver.grounding.captured_floor import captured_floor
 from studio.core.solver.grounding.contact_settling import ArmStance, settle_on_contacts
@@ -31,6 +30,12 @@ from studio.core.solver.grounding.inertialisation import Stance, inertialised_mo
 from studio.core.solver.grounding.raised_arms import raise_arms
 from studio.core.solver.grounding.row_parts import join_parts, parts_of, windows_in
 from studio.core.solver.request import AdaptRequest, UnconstrainedPoses
+from studio.core.solver.task_assembly.self_contact import (
+    PUSH_OUT_ROUNDS,
+    SelfContact,
+    self_contact_of,
+    standing_hand_weights,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -166,7 +171,8 @@ def ground_motion(
 ) -> GroundedMotion:
     """Grounded motion of a motion on a body: with feet and all other contacts on the ground (K05 sections 6 and 7).
 
-    Hands touch what the actor's touch; with ``clears`` arms stay out of the body (``solver.asking.self_contact``).
+    Hands touch what the actor's touch; with ``clears`` arms stay out of the body
+    (``solver.task_assembly.self_contact``).
     """
     known = motion, morphology, tuple(contacts)
     return grounded_motion_of(AdaptRequest(*known, (), ground, {}, volume, actor, limited, False, clears))

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from studio.core.body.morphology import Morphology
 from studio.core.captures.contacts import ContactInterval, ContactPoint, contact_mask, touching_points
 from studio.core.compact_array import PoseArray
-from studio.core.solver.asking.chains import point_masses
+from studio.core.solver.task_assembly.chains import point_masses
 
 FloatArray = NDArray[np.float64]
 

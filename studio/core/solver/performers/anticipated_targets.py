@@ -9,7 +9,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowPerformer
 from studio.core.constraints.target import follows_of
 from studio.core.curves.activation import ActivationCurve
-from studio.core.solver.asking.tracks import Track, Tracks
+from studio.core.solver.task_assembly.tracks import Track, Tracks
 
 FloatArray = NDArray[np.float64]
 

@@ -19,10 +19,10 @@ from studio.core.constraints.position import PositionConstraint
 from studio.core.constraints.target import follows_of
 from studio.core.kernels.tasks.task import PRIORITY_TOLERANCE
 from studio.core.normalized.compose import Composite
-from studio.core.solver.asking.tracks import Track, Tracks
 from studio.core.solver.performers.anticipated_targets import with_anticipated_targets, with_expected_positions
 from studio.core.solver.performers.stage import leader_track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.task_assembly.tracks import Track, Tracks
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Prop
 
@@ -130,7 +130,7 @@ def _solution(
 
     The solver's own residuals refer to the poses at the start of the last iteration.
     """
-    from studio.core.solver.asking.measured_residuals import with_residuals_remeasured
+    from studio.core.solver.task_assembly.measured_residuals import with_residuals_remeasured
 
     final = dict(paths_of(players, results))
     requests = {

@@ -16,10 +16,10 @@ from studio.core.constraints.own_place import OwnPlace
 from studio.core.curves.keyed import Quaternion
 from studio.core.normalized.compose import Composite
 from studio.core.rotations import to_matrix
-from studio.core.solver.asking.points import point_indices
-from studio.core.solver.asking.tracks import Track
 from studio.core.solver.performers.rows import clip_transform
 from studio.core.solver.request import AdaptedMotion, UnconstrainedPoses
+from studio.core.solver.task_assembly.points import point_indices
+from studio.core.solver.task_assembly.tracks import Track
 from studio.core.stage.placement import Placement
 
 FloatArray = NDArray[np.float64]

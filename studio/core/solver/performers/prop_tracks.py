@@ -15,10 +15,10 @@ from studio.core.constraints.follow import FollowProp
 from studio.core.curves.activation import QUINTIC_PEAK_SLOPE, EaseShape, ease
 from studio.core.curves.keyed import KeyedNumber, KeyedTurn
 from studio.core.rotations import rotations_about_z, to_matrix
-from studio.core.solver.asking.points import point_indices
-from studio.core.solver.asking.tracks import Track
 from studio.core.solver.performers.followed_tracks import performer_track, point_track
 from studio.core.solver.request import AdaptedMotion, UnconstrainedPoses
+from studio.core.solver.task_assembly.points import point_indices
+from studio.core.solver.task_assembly.tracks import Track
 from studio.core.stage.placement import Placement
 from studio.core.stage.prop import Carried, InHand, Prop
 from studio.core.stage.timing import Timing

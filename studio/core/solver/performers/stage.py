@@ -17,10 +17,10 @@ from studio.core.curves.keyed import Keys
 from studio.core.mesh.character import Character
 from studio.core.normalized.compose import Composite
 from studio.core.rotations import multiply, to_matrix
-from studio.core.solver.asking.tracks import OwnPath, Track, Tracks
-from studio.core.solver.asking.whole_body import areas_of
 from studio.core.solver.performers.rows import ClipConstraint, timing_of
 from studio.core.solver.request import AdaptedMotion, UnconstrainedPoses
+from studio.core.solver.task_assembly.tracks import OwnPath, Track, Tracks
+from studio.core.solver.task_assembly.whole_body import areas_of
 from studio.core.stage.held_grips import repeats_as_held
 from studio.core.stage.mirrored_props import with_held_props_reflected
 from studio.core.stage.placement import Placement

@@ -5,9 +5,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
 from studio.core.body.morphology import Morphology
-from studio.core.solver.asking.kinds.known import KIND_BY_CODE
-from studio.core.solver.asking.target_trajectory import UnsolvedTask
-from studio.core.solver.asking.task_rows import TaskRecords
+from studio.core.solver.task_assembly.kinds.known import KIND_BY_CODE
+from studio.core.solver.task_assembly.target_trajectory import UnsolvedTask
+from studio.core.solver.task_assembly.task_rows import TaskRecords
 
 FloatArray = NDArray[np.float64]
 

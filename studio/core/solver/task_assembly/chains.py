@@ -12,7 +12,7 @@ from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels import records
 from studio.core.kernels.search.joints import ROOT_TRANSLATION, joint_table
-from studio.core.solver.asking.points import limb_of
+from studio.core.solver.task_assembly.points import limb_of
 
 FloatArray = NDArray[np.float64]
 

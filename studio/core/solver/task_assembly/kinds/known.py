@@ -2,7 +2,7 @@
 
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.kinds import BUILT_IN_KINDS, CONSTRAINT_KINDS
-from studio.core.solver.asking.kinds.kind import SolverKind
+from studio.core.solver.task_assembly.kinds.kind import SolverKind
 
 SOLVER_KINDS: list[SolverKind] = [task for kind in BUILT_IN_KINDS if (task := kind.task()) is not None]
 """All kinds of constraint for which the kernels have a task."""

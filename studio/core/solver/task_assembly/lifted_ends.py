@@ -16,11 +16,11 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.target import follows_of
 from studio.core.grounds.ground import Ground
-from studio.core.solver.asking.points import limb_of
 from studio.core.solver.grounding.contact_blending import smooth_penetrations
 from studio.core.solver.grounding.foot_tipping import ankle_tip_rotations, heights_of, tip_rotations
 from studio.core.solver.grounding.grounded_motion import GroundedMotion
 from studio.core.solver.grounding.held_foot import FootPath
+from studio.core.solver.task_assembly.points import limb_of
 
 FloatArray = NDArray[np.float64]
 

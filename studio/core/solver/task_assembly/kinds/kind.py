@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.core.solver.asking.target_trajectory import TargetTrajectory, UnsolvedTask
-from studio.core.solver.asking.task_rows import TaskRecords
-from studio.core.solver.asking.tracks import Targets
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.task_assembly.target_trajectory import TargetTrajectory, UnsolvedTask
+from studio.core.solver.task_assembly.task_rows import TaskRecords
+from studio.core.solver.task_assembly.tracks import Targets
 
 FloatArray = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ from studio.core.constraints.balance import BalanceConstraint
 from studio.core.constraints.base import THIGHS, UPPER_ARMS, Chain, Constraint
 from studio.core.kernels.tasks.area_shapes import AREA_NUMBERS
 from studio.core.kernels.tasks.task import TASK
-from studio.core.solver.asking.kinds.known import solver_kind_of
-from studio.core.solver.asking.task_rows import (
+from studio.core.solver.task_assembly.kinds.known import solver_kind_of
+from studio.core.solver.task_assembly.task_rows import (
     BLANK_TASK,
     NO_DISTANCE,
     NO_POSITION,
@@ -18,7 +18,7 @@ from studio.core.solver.asking.task_rows import (
     TaskRecords,
     point_task_record,
 )
-from studio.core.solver.asking.tracks import Targets
+from studio.core.solver.task_assembly.tracks import Targets
 
 _PLACES = {part: place for place, part in enumerate(BodyPart)}
 

@@ -6,12 +6,12 @@ from numpy.typing import NDArray
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.distance import DistanceConstraint
 from studio.core.kernels.tasks import goals
-from studio.core.solver.asking.kinds.kind import SolverKind
-from studio.core.solver.asking.posed_points import point_positions, target_positions
-from studio.core.solver.asking.target_trajectory import TargetTrajectory, UnsolvedTask
-from studio.core.solver.asking.task_rows import TaskRecords, write_end
-from studio.core.solver.asking.tracks import Targets
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.task_assembly.kinds.kind import SolverKind
+from studio.core.solver.task_assembly.posed_points import point_positions, target_positions
+from studio.core.solver.task_assembly.target_trajectory import TargetTrajectory, UnsolvedTask
+from studio.core.solver.task_assembly.task_rows import TaskRecords, write_end
+from studio.core.solver.task_assembly.tracks import Targets
 
 FloatArray = NDArray[np.float64]
 

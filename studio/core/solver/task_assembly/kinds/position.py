@@ -7,13 +7,13 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.position import PositionConstraint
 from studio.core.kernels.tasks import goals
-from studio.core.solver.asking.kinds.kind import SolverKind
-from studio.core.solver.asking.points import limb_of
-from studio.core.solver.asking.posed_points import point_positions, target_positions
-from studio.core.solver.asking.target_trajectory import point_trajectory
-from studio.core.solver.asking.task_rows import TaskRecords, write_end
-from studio.core.solver.asking.tracks import Targets
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.task_assembly.kinds.kind import SolverKind
+from studio.core.solver.task_assembly.points import limb_of
+from studio.core.solver.task_assembly.posed_points import point_positions, target_positions
+from studio.core.solver.task_assembly.target_trajectory import point_trajectory
+from studio.core.solver.task_assembly.task_rows import TaskRecords, write_end
+from studio.core.solver.task_assembly.tracks import Targets
 
 FloatArray = NDArray[np.float64]
 

@@ -4,10 +4,10 @@ import numpy as np
 
 from studio.core.constraints.area import AreaConstraint
 from studio.core.kernels.tasks import goals
-from studio.core.solver.asking.area_rows import area_row
-from studio.core.solver.asking.kinds.kind import SolverKind
-from studio.core.solver.asking.target_trajectory import point_trajectory
-from studio.core.solver.asking.task_rows import TaskRecords
+from studio.core.solver.task_assembly.area_rows import area_row
+from studio.core.solver.task_assembly.kinds.kind import SolverKind
+from studio.core.solver.task_assembly.target_trajectory import point_trajectory
+from studio.core.solver.task_assembly.task_rows import TaskRecords
 
 
 def write_task(rows: TaskRecords, c: int, constraint: AreaConstraint) -> None:

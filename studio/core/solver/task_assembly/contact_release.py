@@ -14,8 +14,8 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.position import PositionConstraint
 from studio.core.rotations import normalized
-from studio.core.solver.asking.points import limb_of, point_indices
 from studio.core.solver.grounding.grounded_motion import GroundedMotion
+from studio.core.solver.task_assembly.points import limb_of, point_indices
 
 FloatArray = NDArray[np.float64]
 

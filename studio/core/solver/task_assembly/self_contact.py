@@ -30,7 +30,6 @@ from studio.core.normalized.realize import realize_motion
 from studio.core.normalized.touching import PalmPositions, palm_positions
 from studio.core.project_cache import project_cache
 from studio.core.runs import runs_of
-from studio.core.solver.asking.clearance import actor_clearances, clearances_of, packed_volume, rest_clearances
 from studio.core.solver.grounding.body_support import limb_freedom
 from studio.core.solver.grounding.contact_blending import (
     RELEASE_SECONDS,
@@ -39,6 +38,7 @@ from studio.core.solver.grounding.contact_blending import (
     release_weight,
     smoothstep_array,
 )
+from studio.core.solver.task_assembly.clearance import actor_clearances, clearances_of, packed_volume, rest_clearances
 
 FloatArray = NDArray[np.float64]
 

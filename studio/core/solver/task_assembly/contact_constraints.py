@@ -18,11 +18,11 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.kernels import measure_columns as measure
 from studio.core.kernels import records
 from studio.core.kernels.support.body_settling import place_arms
-from studio.core.solver.asking.task_rows import TaskRecords
 from studio.core.solver.grounding.body_support import GroundContact, track_of
 from studio.core.solver.grounding.contact_blending import release_weight
 from studio.core.solver.grounding.contact_settling import ArmStance
 from studio.core.solver.grounding.footing import Footing
+from studio.core.solver.task_assembly.task_rows import TaskRecords
 
 FloatArray = NDArray[np.float64]
 

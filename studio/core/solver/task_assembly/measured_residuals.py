@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from studio.core.constraints.base import Constraint
 from studio.core.constraints.target import follows_of, own_places_of
 from studio.core.curves.activation import LEAST_FULL_ACTIVATION
-from studio.core.solver.asking.kinds.known import solver_kind_of
-from studio.core.solver.asking.kinds.orientation import angle_to
-from studio.core.solver.asking.kinds.position import distance_to
-from studio.core.solver.asking.shared_goals import groups_with_shared_goal, weighted_mean
-from studio.core.solver.asking.tracks import Targets, Track, raised_along_arms
 from studio.core.solver.grounding.support_polygon import mass_path
 from studio.core.solver.performers.followed_tracks import own_track
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
+from studio.core.solver.task_assembly.kinds.known import solver_kind_of
+from studio.core.solver.task_assembly.kinds.orientation import angle_to
+from studio.core.solver.task_assembly.kinds.position import distance_to
+from studio.core.solver.task_assembly.shared_goals import groups_with_shared_goal, weighted_mean
+from studio.core.solver.task_assembly.tracks import Targets, Track, raised_along_arms
 
 
 def full_residuals(constraints: Sequence[Constraint], targets: Targets, adapted: AdaptedMotion) -> NDArray[np.float64]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from studio.core.body.morphology import Morphology
 from studio.core.kernels.tasks.goals import RADIAN_LENGTH
-from studio.core.solver.asking.task_rows import TaskRecords
+from studio.core.solver.task_assembly.task_rows import TaskRecords
 
 FloatArray = NDArray[np.float64]
 TargetTrajectory = tuple[FloatArray, float]

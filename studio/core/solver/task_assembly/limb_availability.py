@@ -9,8 +9,8 @@ from studio.core.body.morphology import AnyMorphology, at_frames, sole_rows
 from studio.core.captures.contacts import ContactInterval, contact_mask
 from studio.core.compact_array import PoseArray
 from studio.core.grounds.ground import Ground
-from studio.core.solver.asking.chains import HIP_LIMIT, point_masses
 from studio.core.solver.grounding.contact_blending import release_weight
+from studio.core.solver.task_assembly.chains import HIP_LIMIT, point_masses
 
 FloatArray = NDArray[np.float64]
 

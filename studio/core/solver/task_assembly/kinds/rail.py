@@ -4,9 +4,9 @@ import numpy as np
 
 from studio.core.constraints.rail import RailConstraint, RailShape
 from studio.core.kernels.tasks import area_shapes, goals
-from studio.core.solver.asking.kinds.kind import SolverKind
-from studio.core.solver.asking.target_trajectory import point_trajectory
-from studio.core.solver.asking.task_rows import TaskRecords
+from studio.core.solver.task_assembly.kinds.kind import SolverKind
+from studio.core.solver.task_assembly.target_trajectory import point_trajectory
+from studio.core.solver.task_assembly.task_rows import TaskRecords
 
 _SHAPES = {
     RailShape.LINE: (area_shapes.LINE_SHAPE, area_shapes.INSIDE_AREA),

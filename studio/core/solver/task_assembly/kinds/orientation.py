@@ -9,12 +9,12 @@ from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.orientation import OrientationConstraint
 from studio.core.kernels.tasks import goals
 from studio.core.rotations import to_matrix
-from studio.core.solver.asking.kinds.kind import SolverKind
-from studio.core.solver.asking.points import point_indices
-from studio.core.solver.asking.target_trajectory import TargetTrajectory, UnsolvedTask
-from studio.core.solver.asking.task_rows import TaskRecords
-from studio.core.solver.asking.tracks import Targets
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.task_assembly.kinds.kind import SolverKind
+from studio.core.solver.task_assembly.points import point_indices
+from studio.core.solver.task_assembly.target_trajectory import TargetTrajectory, UnsolvedTask
+from studio.core.solver.task_assembly.task_rows import TaskRecords
+from studio.core.solver.task_assembly.tracks import Targets
 
 FloatArray = NDArray[np.float64]
 

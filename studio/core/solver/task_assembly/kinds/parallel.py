@@ -6,12 +6,12 @@ from numpy.typing import NDArray
 from studio.core.constraints.follow import FollowBody
 from studio.core.constraints.parallel import ParallelConstraint
 from studio.core.kernels.tasks import goals
-from studio.core.solver.asking.kinds import upright
-from studio.core.solver.asking.kinds.kind import SolverKind
-from studio.core.solver.asking.points import limb_of, point_indices
-from studio.core.solver.asking.task_rows import TaskRecords
-from studio.core.solver.asking.tracks import Targets
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.task_assembly.kinds import upright
+from studio.core.solver.task_assembly.kinds.kind import SolverKind
+from studio.core.solver.task_assembly.points import limb_of, point_indices
+from studio.core.solver.task_assembly.task_rows import TaskRecords
+from studio.core.solver.task_assembly.tracks import Targets
 
 FloatArray = NDArray[np.float64]
 

@@ -5,9 +5,9 @@ from numpy.typing import NDArray
 
 from studio.core.constraints.base import BodyPoint
 from studio.core.constraints.follow import FollowBody
-from studio.core.solver.asking.points import point_indices
-from studio.core.solver.asking.tracks import Targets
 from studio.core.solver.request import AdaptedMotion
+from studio.core.solver.task_assembly.points import point_indices
+from studio.core.solver.task_assembly.tracks import Targets
 
 FloatArray = NDArray[np.float64]
 

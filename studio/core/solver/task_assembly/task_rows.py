@@ -13,8 +13,8 @@ from studio.core.constraints.follow import FollowBody
 from studio.core.kernels import records
 from studio.core.kernels.tasks.task import TASK
 from studio.core.rotations import to_matrix
-from studio.core.solver.asking.points import limb_of, limb_weights, point_indices
-from studio.core.solver.asking.tracks import Targets
+from studio.core.solver.task_assembly.points import limb_of, limb_weights, point_indices
+from studio.core.solver.task_assembly.tracks import Targets
 
 FloatArray = NDArray[np.float64]
 

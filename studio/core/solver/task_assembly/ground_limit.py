@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from studio.core.body.canonical import BodyLayout
 from studio.core.body.morphology import AnyMorphology, at_frames, sole_rows
 from studio.core.constraints.base import Constraint
-from studio.core.solver.asking.points import limb_of, point_indices
 from studio.core.solver.grounding.grounded_motion import GroundedMotion
+from studio.core.solver.task_assembly.points import limb_of, point_indices
 
 FloatArray = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from studio.core.constraints.base import Constraint
 from studio.core.constraints.objections import blended_thing
 from studio.core.curves.keyed import KeyedNumber
 from studio.core.rotations import from_matrix, slerp, to_matrix
-from studio.core.solver.asking.task_rows import TaskRecords
+from studio.core.solver.task_assembly.task_rows import TaskRecords
 
 FloatArray = NDArray[np.float64]
 
