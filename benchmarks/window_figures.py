@@ -34,7 +34,7 @@ from studio.core.solver.adapt import adapt
 from studio.core.solver.performers.staged_performances import adapt_performers
 from studio.core.solver.request import AdaptedMotion, AdaptRequest
 from studio.core.stage.project import GROUND_ID, Project
-from studio.document.channels import Channel, Side
+from studio.document.channels import Channel, TangentSide
 from studio.document.key_edits import replace_fields
 from studio.document.keyed_fields import Keyed, KeyedField, KeyRef
 from studio.engine.live_adaptation import normalized_with_actor
@@ -271,7 +271,7 @@ def _key(window: MainWindow) -> tuple[QWidget, QPointF, QPointF]:
 
 def _tangent(window: MainWindow) -> tuple[QWidget, QPointF, QPointF]:
     channel, keyed, curves, shown, area = _edited_curve(window)
-    handle = curves.handle_point(shown, area, HandleRef(channel, 1, Side.LEAVING), keyed)
+    handle = curves.handle_point(shown, area, HandleRef(channel, 1, TangentSide.OUT), keyed)
     assert handle is not None
     return window.bench.timeline.tracks, handle, QPointF(8.0, 20.0)
 

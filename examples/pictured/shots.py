@@ -26,7 +26,7 @@ from studio.core.curves.activation import ActivationCurve
 from studio.core.curves.keyed import KeyedNumber, KeyedPlace
 from studio.core.stage.prop import Prop
 from studio.document import colours
-from studio.document.channels import Side, with_handle
+from studio.document.channels import TangentSide, with_handle
 from studio.document.clip_edits import set_speed
 from studio.document.key_edits import replace_fields
 from studio.document.keyed_fields import KeyedField, KeyRef
@@ -381,7 +381,7 @@ def curve_editor() -> QImage:
     session.bench.timeline.edit_curves(True)
     curves, shown = session.bench.timeline.tracks.picture.curves, session.bench.timeline.tracks.shown
     channel, keyed = next(pair for pair in curves.channels(shown) if pair[0].name == "z")
-    bent = with_handle(channel, keyed, 1, Side.LEAVING, 0.08, 0.12)
+    bent = with_handle(channel, keyed, 1, TangentSide.OUT, 0.08, 0.12)
     replace_fields(session.document, {KICK_KEYS: bent}, "Move tangent")
     session.document.keys.set([KeyRef(KICK_KEYS, 1)])
     session.settle()
