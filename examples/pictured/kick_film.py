@@ -34,7 +34,7 @@ class KickFilm:
 
     def _prepare(self) -> None:
         session, window = self._session, self._session.window
-        for name in ("Library", "History", "Inspector"):
+        for name in ("Outliner", "History", "Inspector"):
             window.docks[name].hide()
         window.resizeDocks([window.docks["Timeline"]], [TIMELINE_HEIGHT], Qt.Orientation.Vertical)
         key = session.document.add("constraints", kick_target(_target(WAY[0])), "Add 'Kick target'")

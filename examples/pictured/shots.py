@@ -161,7 +161,7 @@ def turntable() -> QImage:
 
 
 def _hide_docks(session: Session) -> None:
-    for name in ("Library", "History", "Inspector", "Timeline"):
+    for name in ("Outliner", "History", "Inspector", "Timeline"):
         session.window.docks[name].hide()
 
 
@@ -273,7 +273,7 @@ def mirrored() -> QImage:
     """A wave of the right hand, pasted with left for right."""
     session = Session("reach_grasp", (760, 760))
     document = session.document
-    for name in ("Library", "History", "Inspector"):
+    for name in ("Outliner", "History", "Inspector"):
         session.window.docks[name].hide()
     times = tuple(1.5 + 0.35 * k for k in range(5))
     places = tuple((0.2, -0.4 - 0.12 * (k % 2), 1.25 + 0.08 * (k % 2)) for k in range(5))
@@ -297,7 +297,7 @@ def weights() -> QImage:
     """A hand half way between two targets whose weights cross, over the curves of the weights."""
     session = Session("reach_grasp", (760, 800))
     document = session.document
-    for name in ("Library", "History", "Inspector"):
+    for name in ("Outliner", "History", "Inspector"):
         session.window.docks[name].hide()
     activation = ActivationCurve(1.2, 1.5, 3.2, 3.5)
     chest = PositionConstraint(

@@ -10,7 +10,7 @@ from studio.engine.quality_summary import ASPECT_HINTS, ASPECT_TITLES, ASPECTS, 
 from studio.panels.fields import styled_label
 
 PROBLEM_COLUMNS = ("Character", "Constraint", *ASPECT_TITLES.values())
-NO_ROWS_HINT = "Nothing is adapted yet. Drop a capture and add constraints; how well they hold is listed here."
+NO_ROWS_HINT = "Nothing is adapted yet. Drop a capture and add constraints; their errors are listed here."
 ROW_ROLE, ASPECT_ROLE, BADNESS_ROLE = (
     Qt.ItemDataRole.UserRole,
     Qt.ItemDataRole.UserRole + 1,

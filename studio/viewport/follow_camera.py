@@ -12,7 +12,7 @@ HALF_CAMERA_WINDOW_SECONDS = 0.6
 
 
 class FollowCamera:
-    """Moves a camera by the followed performer's displacement since the last image."""
+    """Camera motion by the followed performer's displacement since the last image."""
 
     def __init__(self) -> None:
         self._last: tuple[str, FloatArray] | None = None

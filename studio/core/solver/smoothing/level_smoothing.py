@@ -284,7 +284,7 @@ class SolvedLevel:
 
 
 class LevelSmoother:
-    """Smooths level after level, each on the final poses of the levels above."""
+    """Smoother of one priority level after the other, each on the final poses of the levels above."""
 
     def __init__(
         self,
