@@ -1,7 +1,7 @@
 """Goals and residuals of the tasks, dispatched by kind.
 
 Each kind has its own file. A new kind is added to each list here, to ``kernels.tasks.jacobian_rows`` and to
-``solver/asking/kinds``.
+``solver/task_assembly/kinds``.
 """
 
 from studio.core.kernels.algebra.rotation_tuples import rotation_from_matrix
