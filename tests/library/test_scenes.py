@@ -129,7 +129,7 @@ HALF_A_HAND = 0.02
 """Metres of flesh about the bones of a hand."""
 
 
-@pytest.mark.parametrize("place", range(1, len(SCENES)))
+@pytest.mark.parametrize("index", range(1, len(SCENES)))
 def test_every_scene_can_be_played(index: int) -> None:
     project = exact(SCENES[index].make())
     made = adapt_performers(project, project.performers, prepared_capture, adapt)
