@@ -309,7 +309,7 @@ class MainWindow(QMainWindow):
             ("Problems", self.problems, Area.BottomDockWidgetArea),
         ):
             dock = QDockWidget(name, self)
-            dock.setObjectName(name)
+            dock.setObjectName("Library" if name == "Outliner" else name)  # as in the layouts of earlier versions
             dock.setWidget(widget)
             # Until it is asked for.
             dock.setHidden(name == "Footage" or any(name in others for others in TABBED_PANELS.values()))

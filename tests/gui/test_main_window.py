@@ -456,3 +456,9 @@ def test_a_key_is_set_before_the_3d_view_is_there(window):
     assert not window.bench.has_viewport
     window.actions_by_id.by_id["set_key"].trigger()
     assert isinstance(document.project.constraints["constraint 0"].target, KeyedPlace)
+
+
+def test_layouts_of_earlier_versions_find_every_panel(window):
+    """They name the outliner by the name that it had."""
+    names = {dock.objectName() for dock in window.docks.values()}
+    assert names >= {"Library", "Inspector", "History", "Timeline", "Behaviour", "Pose map", "Console"}
