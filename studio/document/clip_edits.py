@@ -21,7 +21,6 @@ from studio.core.stage.clip_row import (
 )
 from studio.core.stage.layer import Layer
 from studio.core.stage.project import Entity, Project, new_id, new_ids
-from studio.core.stage.prop import Carried, InHand
 from studio.document.edited_project import EditedProject
 
 DEFAULT_BLEND_SECONDS = 0.3
@@ -84,7 +83,9 @@ def mirror_clip(document: EditedProject, clip_id: str) -> None:
 
 
 def set_mirrored(document: EditedProject, clip_id: str, mirrored: bool) -> None:
-    """Mirror a clip or not, together with those holds of props during which its performers play no other clip."""
+    """Mirror a clip or not, together with those holds of props and corrections of poses during which its performers
+    play no other clip.
+    """
     project = document.project
     clip = project.clips[clip_id]
     if clip.mirrored is mirrored:
@@ -92,18 +93,26 @@ def set_mirrored(document: EditedProject, clip_id: str, mirrored: bool) -> None:
     text = f"Mirror {name_of(project, clip)}"
     with document.group(text):
         edit_clip(document, clip_id, lambda clip: (replace(clip, mirrored=mirrored),), text)
-        for key, prop in project.props.items() if layer_of(project, clip_id) is None else ():
-            held = [hold.mirrored() if _clips_during(project, hold) == [clip_id] else hold for hold in prop.holds]
+        if layer_of(project, clip_id) is not None:
+            return
+        for key, prop in project.props.items():
+            held = [
+                hold.mirrored() if _is_alone(project, clip_id, hold.performer_id, hold.begin, hold.end) else hold
+                for hold in prop.holds
+            ]
             document.replace("props", key, prop.with_holds(held), text)
+        for key, each in project.corrections.items():
+            if _is_alone(project, clip_id, each.performer_id, each.activation.start, each.activation.end):
+                document.replace("corrections", key, each.mirrored(), text)
 
 
-def _clips_during(project: Project, hold: InHand | Carried) -> list[str]:
-    """Ids of the clips that the holder plays during a hold."""
-    return [
+def _is_alone(project: Project, clip_id: str, performer_id: str, begin: float | None, end: float | None) -> bool:
+    """True if a performer plays that clip and no other one from ``begin`` to ``end``, seconds of the stage."""
+    return [clip_id] == [
         clip.id
-        for clip in project.performers[hold.performer_id].clips
-        if (hold.end is None or clip.start < hold.end)
-        and (hold.begin is None or clip.start + clip.length(project.frame_rate_of(clip)) > hold.begin)
+        for clip in project.performers[performer_id].clips
+        if (end is None or clip.start < end)
+        and (begin is None or clip.start + clip.length(project.frame_rate_of(clip)) > begin)
     ]
 
 
