@@ -496,6 +496,7 @@ class MainWindow(QMainWindow):
         self._autosave.stop()
         self.live_control.close()
         self.problem_search.close()
+        self.library.thumbnails.close()
         self.sound_playback.close()
         self.footage_playback.close()
         self.console.close_session()

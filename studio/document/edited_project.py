@@ -362,8 +362,10 @@ class EditedProject(QObject):
 
     def _restore_selection(self, state: SelectionState, selected: tuple[Item, ...], before: Project) -> None:
         found = [item for item in state.items if self._project.get(*item) is not None and self._may_be_seen(item)]
-        if self.selection.items != selected or any(before.get(*item) is None for item in found):
+        if any(before.get(*item) is None for item in found):
             self.selection.set(*found)
+        elif self.selection.items != selected:
+            self.selection.set(*dict.fromkeys((*self.selection.items, *found)))
         self.keys.restore(state.keys, before)
 
     def _show(self, edits: tuple[Edit, ...]) -> None:

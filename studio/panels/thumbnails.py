@@ -59,11 +59,18 @@ class Thumbnails(QObject):
         self._document = document
         self._pictures: dict[Hashable, tuple[object, QPixmap | None]] = {}
         self._drawings: dict[Hashable, Future[QImage]] = {}
+        self._closed = False
         self._executor = ThreadPoolExecutor(1, "thumbnails")
         weakref.finalize(self, self._executor.shutdown, wait=False, cancel_futures=True)
         self._poll = QTimer(self, interval=_POLL_MS)
         self._poll.timeout.connect(self._take)
         document.project_opened.connect(self._pictures.clear)
+
+    def close(self) -> None:
+        """Wait for a picture that is being drawn, and draw no others."""
+        self._poll.stop()
+        self._closed = True
+        self._executor.shutdown(cancel_futures=True)
 
     def of(self, collection: str, entity_id: str) -> QPixmap | None:
         """Thumbnail of a capture, character, performer or scene; None if there is none, or it is not drawn yet."""
@@ -90,8 +97,8 @@ class Thumbnails(QObject):
         """Thumbnail cached by ``key``; ``draw`` is called again only if the object ``drawn`` (poses or skin) is another
         one.
         """
-        if key in self._pictures:
-            return self._pictures[key][1]
+        if key in self._pictures or self._closed:
+            return self._pictures.get(key, (None, None))[1]
         self._pictures[key] = (drawn, None)  # kept, so that its id stays its own
         self._drawings[key] = self._executor.submit(draw)
         self._poll.start()

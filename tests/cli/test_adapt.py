@@ -167,7 +167,7 @@ def test_bodies_stand_on_the_steps_on_which_a_capture_was_recorded_if_asked_for(
         assert report["characters"][0]["slide_mm"] < 1.0
     assert rises["--on-steps",] == pytest.approx(steps.count * steps.rise, abs=0.05)
     assert main(["adapt", str(walk), "--out", str(tmp_path / "out"), "--on-steps"]) == 1
-    assert "recorded on no steps" in capsys.readouterr().err
+    assert "not recorded on steps" in capsys.readouterr().err
 
 
 def test_what_is_no_human_is_refused_with_what_is_missing(capsys, captures, tmp_path):

@@ -178,7 +178,7 @@ def test_a_film_that_is_cut_short_is_told(qtbot, window, tmp_path, monkeypatch):
     monkeypatch.setattr(filming, "RENDER_COMMAND", (sys.executable, "-c", HALF))
     filming.render_film(window.bench, tmp_path / "out" / "walk.mp4", SMALL, 30.0)
     idle(qtbot, window)
-    assert "could not be written whole" in window.strip.text
+    assert "could not be written completely" in window.strip.text
     assert list((tmp_path / "out").iterdir()) == []
 
 

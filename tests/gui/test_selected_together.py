@@ -59,7 +59,7 @@ def test_one_of_two_selected_bars_drags_both_and_both_stay_selected(document, ti
     assert curves(document) == {"kick": (30, 40, 60, 70), "punch": (30, 41, 60, 70), "other": (20, 32, 50, 60)}
     assert {*document.selection.of("constraints")} == {"kick", "punch"}
     assert document.undo_stack.count() == 1
-    assert document.undo_stack.undoText() == "Shift 2 constraints"
+    assert document.undo_stack.undoText() == "Move 2 constraints"
     document.undo_stack.undo()
     assert curves(document)["kick"] == (20, 30, 50, 60)
 

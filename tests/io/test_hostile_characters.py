@@ -107,7 +107,7 @@ GLTF = {
     "joints as fractions": (numbers("JOINTS_0", "VEC4", np.zeros((152, 4), "<f4")), "should hold whole numbers"),
     "a vertex that is no number": (
         numbers("POSITION", "VEC3", np.full((152, 3), np.nan, "<f4")),
-        "a number that is not believable",
+        "a number that is out of range",
     ),
     "a buffer view behind its buffer": (
         gltf(lambda root: root["bufferViews"][0].update(byteLength=10**8)),
@@ -199,7 +199,7 @@ VRML = {
         vrml().replace("center 0.0 1.1 0.0", "center 0.0 1.1", 1),
         "'center' has 2 numbers, which is not a multiple of 3",
     ),
-    "a number beyond belief": (vrml().replace("center 0.0", "center 1e300", 1), "a number that is not believable"),
+    "a number beyond belief": (vrml().replace("center 0.0", "center 1e300", 1), "a number that is out of range"),
     "without a humanoid": ("#VRML V2.0 utf8\nGroup { }", "shows no humanoid"),
     "a humanoid without joints": ("#VRML V2.0 utf8\nHAnimHumanoid { }", "its humanoid has no joints"),
     "an open PROTO": ("#VRML V2.0 utf8\nPROTO A [ ] { Group {", "the PROTO A is not closed"),

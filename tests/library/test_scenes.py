@@ -122,7 +122,7 @@ def test_who_has_lost_its_capture_fails_alone(scene: Project) -> None:
     alone = replace(scene, performers={key: scene.performers[key], "lost": replace(scene.performers[key], clips=())})
     made = adapt_performers(replace(alone, constraints={}), alone.performers, prepared_capture, adapt)
     assert list(made.performances) == [key]
-    assert "plays nothing" in made.failures["lost"]
+    assert "has no clip" in made.failures["lost"]
 
 
 HALF_A_HAND = 0.02
