@@ -21,10 +21,6 @@ tests_rest = $(filter-out tests/real $(foreach job,$(filter-out rest,$(JOBS)),$(
 tests_captures = $(tests_files) $(tests_core) $(tests_rest)
 FOLDERS = $(patsubst %/,%,$(sort $(dir $(wildcard tests/*/test_*.py))))
 AT_ONCE = $(shell expr $$(getconf _NPROCESSORS_ONLN) + 1)
-# What a job waits for, and what starts lint, in `make test`: lint takes the time of a processor that nobody else uses,
-# as one is while the longer of two processes compiles the last kernels.
-FIRST ?=
-YIELD ?=
 
 # Lines of jobs that run at once are shown as they come, each with the name of its job.
 shown = ($(1)) 2>&1 | while IFS= read -r line; do echo "$@: $$line"; done
@@ -41,17 +37,18 @@ check: .venv/.ready-to-test
 	@$(MAKE) --no-print-directory --jobs 2 lint fast
 
 test: .venv/.ready-to-test
-	@$(MAKE) --no-print-directory --jobs $(AT_ONCE) FIRST=kernels YIELD=nice kernels lint $(JOBS)
+	@$(MAKE) --no-print-directory --jobs 2 kernels lint
+	@$(MAKE) --no-print-directory --jobs $(AT_ONCE) $(JOBS)
 
 kernels: .venv/.ready-to-test
 	@$(call shown,.venv/bin/python -m tests.compile_kernels)
 
-$(JOBS) captures: .venv/.ready-to-test $(FIRST)
+$(JOBS) captures: .venv/.ready-to-test
 	@$(call shown,.venv/bin/python -u -m pytest $(PYTEST) $(tests_$@) $(if $(PYTEST),|| [ $$? = 5 ]))
 
 lint: .venv/.ready-to-test
-	@$(call shown,$(YIELD) .venv/bin/ruff format --check . && $(YIELD) .venv/bin/ruff check . && $(YIELD) .venv/bin/mypy)
-	@$(call shown,$(YIELD) .venv/bin/lint-imports --no-logo)
+	@$(call shown,.venv/bin/ruff format --check . && .venv/bin/ruff check . && .venv/bin/mypy)
+	@$(call shown,.venv/bin/lint-imports --no-logo)
 
 fast: .venv/.ready-to-test
 	@$(call shown,.venv/bin/python -u -m pytest -q $(FAST) --ignore tests/architecture/test_wheel.py)
