@@ -17,7 +17,9 @@ def proper_rotations(names: list[str], relative: FloatArray) -> tuple[FloatArray
 
     A joint that is mirrored in the rest pose too needs no repair: relative to that pose it only rotates.
     """
-    wrong = np.linalg.det(relative) < FLAT_DETERMINANT
+    first, second, third = np.moveaxis(relative, -1, 0)
+    # Not NumPy's determinant, which divides by zero where an axis is next to nothing.
+    wrong = np.einsum("fji,fji->fj", first, np.cross(second, third)) < FLAT_DETERMINANT
     if not wrong.any():
         return relative, ()
     relative = np.where(wrong[..., None, None], np.eye(3), relative)
