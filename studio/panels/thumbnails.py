@@ -67,10 +67,10 @@ class Thumbnails(QObject):
         document.project_opened.connect(self._pictures.clear)
 
     def close(self) -> None:
-        """Wait for a picture that is being drawn, and draw no others."""
+        """Draw no more pictures; the thread ends with the one that it is drawing."""
         self._poll.stop()
         self._closed = True
-        self._executor.shutdown(cancel_futures=True)
+        self._executor.shutdown(wait=False, cancel_futures=True)
 
     def of(self, collection: str, entity_id: str) -> QPixmap | None:
         """Thumbnail of a capture, character, performer or scene; None if there is none, or it is not drawn yet."""

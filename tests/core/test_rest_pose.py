@@ -288,7 +288,7 @@ def test_a_take_in_which_nobody_stands_is_told_as_doubtful() -> None:
     axes = np.swapaxes(_axes(1, lying.skeleton.joint_count), 1, 2)
     odd = with_zero_pose(lying, axes)
     assert odd.body_map is not None
-    assert "never stands" in find_reference_pose(odd.skeleton, odd.poses, odd.body_map).reason
+    assert "never in a neutral stance" in find_reference_pose(odd.skeleton, odd.poses, odd.body_map).reason
 
 
 def test_frames_in_which_all_joints_lie_in_one_place_decide_nothing() -> None:

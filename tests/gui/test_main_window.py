@@ -188,7 +188,7 @@ def test_closing_leaves_no_thread_and_no_timer(qtbot, tmp_path):
     window.close_without_saving()
     timers = [timer for timer in window.findChildren(QTimer) if timer.isActive()]
     assert timers == []
-    assert set(threading.enumerate()) <= threads
+    qtbot.waitUntil(lambda: set(threading.enumerate()) <= threads, timeout=PATIENCE)  # a picture that is drawn is ended
     window.deleteLater()
     QTest.qWait(0)
 
