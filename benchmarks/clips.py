@@ -1,5 +1,6 @@
-"""The captures that are measured on: real ones where they stand beside the checkout, the bundled examples elsewhere."""
+"""Captures that are measured on: real ones in MORPHO_CAPTURES or beside the checkout, bundled ones elsewhere."""
 
+import os
 from pathlib import Path
 
 from studio.io.importing import GUESS_ALL
@@ -7,7 +8,7 @@ from studio.jobs.adaptation import ReadyCapture, ready_capture
 from studio.resources_folder import example_captures_folder
 
 ROOT = Path(__file__).resolve().parents[1]
-REAL = ROOT.parent / "shared" / "captures" / "bvh"
+REAL = Path(os.environ.get("MORPHO_CAPTURES") or ROOT.parent / "shared" / "captures") / "bvh"
 CHOSEN = (
     "varied/accad_female1_D3_ConversationGestures.bvh",
     "varied/accad_male2_A6_BoxLift.bvh",
