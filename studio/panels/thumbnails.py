@@ -229,7 +229,7 @@ def _colours(character: Character) -> FloatArray:
 
 
 def _left_of(capture: Capture, positions: FloatArray) -> FloatArray:
-    """(3,) horizontal unit vector to the left of a body with joint positions ``positions`` (J, 3)."""
+    """(3,) horizontal unit vector to the left of a body with joints at ``positions`` (J, 3)."""
     if capture.body_map is None:
         return np.array([0.0, 1.0, 0.0])
     left, right = (positions[capture.body_map[part]] for part in (BodyPart.LEFT_THIGH, BodyPart.RIGHT_THIGH))

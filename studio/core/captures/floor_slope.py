@@ -71,7 +71,7 @@ def find_floor_slope(soles: FloatArray, upright: NDArray[np.bool_], frame_rate: 
 
 
 def _gradient(positions: FloatArray, weights: FloatArray, kinds: FloatArray) -> FloatArray:
-    """Rise over run (2,) of the positions ``positions`` (N, 3), in a robust fit with ``weights`` (N,).
+    """Rise over run (2,) of ``positions`` (N, 3), in a robust fit with ``weights`` (N,).
 
     Heels and balls may differ in height: each row of ``kinds`` (N, K) has one 1, at the kind of its position. Outliers
     far off the floor, as of a heel that never came down, weigh little.

@@ -42,12 +42,12 @@ class Ground:
         return type(self) is Ground
 
     def height_at(self, positions: ArrayLike) -> FloatArray:
-        """Heights (...) in metres at positions ``positions`` (..., 2 or 3)."""
+        """Heights (...) in metres at ``positions`` (..., 2 or 3)."""
         xy = np.asarray(positions, dtype=np.float64)[..., :2]
         return self.height + self.rise_at(xy)
 
     def normal_at(self, positions: ArrayLike) -> FloatArray:
-        """Unit normals (..., 3), pointing up, at positions ``positions`` (..., 2 or 3)."""
+        """Unit normals (..., 3), pointing up, at ``positions`` (..., 2 or 3)."""
         slope = self.slope_at(np.asarray(positions, dtype=np.float64)[..., :2])
         normal = np.concatenate([-slope, np.ones((*slope.shape[:-1], 1))], axis=-1)
         return np.asarray(normal / np.linalg.norm(normal, axis=-1, keepdims=True))
@@ -67,7 +67,7 @@ class Ground:
         return np.zeros((len(soles), 2))
 
     def felt_at(self, positions: ArrayLike) -> "Ground":
-        """This ground, or a level one if the ground has one height at all positions ``positions`` (..., 2 or 3)."""
+        """This ground, or a level one if the ground has one height at all ``positions`` (..., 2 or 3)."""
         if self.is_level or np.abs(self.height_at(positions) - self.height).max() > LEVEL_TOLERANCE_METRES:
             return self
         return Ground(self.height)

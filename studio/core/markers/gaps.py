@@ -40,7 +40,7 @@ class Gap:
 
 
 def find_gaps(points: FloatArray, indices: tuple[int, ...]) -> Iterator[Gap]:
-    """Gaps of the ``points`` (F, P, 3) with the indices ``indices``, including those at the beginning and the end.
+    """Gaps of the ``points`` (F, P, 3) at ``indices``, including those at the beginning and the end.
 
     Points that are never seen have none.
     """

@@ -65,9 +65,9 @@ class Inertialisation:
         return np.asarray(place + remaining_speed_offset(times[:, None], self.decay_times) * self.speed)
 
 
-def offset_decay_seconds(positions: FloatArray, peaks: FloatArray) -> float:
-    """Seconds in which offsets ``positions`` (N,) decay with the acceleration that the joints' ``peaks`` (N,) allow."""
-    needed = np.sqrt(_PLACE_PEAK * positions / (ADDED_ACCELERATION_FRACTION * np.maximum(peaks, QUIET_PEAK))).max()
+def offset_decay_seconds(offsets: FloatArray, peaks: FloatArray) -> float:
+    """Seconds in which ``offsets`` (N,) decay with the acceleration that the joints' ``peaks`` (N,) allow."""
+    needed = np.sqrt(_PLACE_PEAK * offsets / (ADDED_ACCELERATION_FRACTION * np.maximum(peaks, QUIET_PEAK))).max()
     return float(np.clip(needed, LEAST_TRANSITION_SECONDS, MOST_TRANSITION_SECONDS))
 
 
@@ -99,8 +99,8 @@ def fade_seconds(differences: FloatArray, peaks: FloatArray) -> float:
     """Seconds of a cross-fade that adds no more acceleration to any joint than allowed, for ``differences`` (N, C) in
     it.
     """
-    places = np.linalg.norm(joint_vectors(differences), axis=-1).max(axis=0)
-    return offset_decay_seconds(places, peaks)
+    offsets = np.linalg.norm(joint_vectors(differences), axis=-1).max(axis=0)
+    return offset_decay_seconds(offsets, peaks)
 
 
 def joint_peaks(channels: FloatArray, frame_rate: float) -> FloatArray:

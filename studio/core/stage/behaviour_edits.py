@@ -73,7 +73,7 @@ def with_transition_replaced(behaviour: Behaviour, index: int, transition: Trans
 
 
 def without_transitions(behaviour: Behaviour, indices: Collection[int]) -> Behaviour:
-    """Copy without the transitions at the indices ``indices``."""
+    """Copy without the transitions at ``indices``."""
     kept = tuple(each for index, each in enumerate(behaviour.transitions) if index not in indices)
     return replace(behaviour, transitions=kept)
 

@@ -113,7 +113,7 @@ def stage_track(prop: Prop, seconds: ArrayLike, hands: Mapping[str, Hands] = Map
 
 
 def _left_by(indices: Sequence[int], prop: Prop, times: FloatArray, hands: Mapping[str, Hands]) -> Track:
-    """Track of a prop after the holds with the indices ``indices``, in order, as if there were no later ones.
+    """Track of a prop after the holds at ``indices``, in order, as if there were no later ones.
 
     When taken, it blends from its position, or from the giver's hands, into the holder's hands; when put down, from
     there to its position.
